@@ -1,8 +1,7 @@
 """Controllers of the wall on a target: from a spec's to what the wire carries, and what they give, sample by sample.
 
-A target at a wire runs the laws of `controllers` that take one reading an interval and no sensor of the speed; the
-virtual device has both. The functions here are those of the engine itself; `firmware/law.c` has the same operations in
-the same order.
+A target at a wire runs the laws of `controllers` without a sensor of the speed; the virtual device has that, too. The
+functions here are those of the engine itself; `firmware/law.c` has the same operations in the same order.
 """
 
 import sys

@@ -5,6 +5,7 @@ from itertools import product
 from typing import Any, NamedTuple
 
 from hknob_cli.hardware.port import Settings
+from hknob_cli.hardware.wire.answers import MOST_SAMPLES, most_samples
 from hknob_cli.recordings.trial import Key
 from hknob_cli.specs.campaign import HwRunPlan, Model
 from hknob_cli.specs.controller import MODELLED, Controller
@@ -12,7 +13,6 @@ from hknob_cli.specs.plan import COUNTS, RATE
 from hknob_cli.specs.pulses import PulsePlan
 
 BLOCK_S = 0.01  # of samples that travel together
-MOST_BLOCK = 48
 USUAL_GRIP_N = 0.71  # Chapter 8's target
 
 
@@ -105,7 +105,7 @@ def settings_of(plan: HwRunPlan | PulsePlan, trial: Trial) -> Settings:
             torque_limit_nm=plan.limits.torque,
             speed_limit_rad_s=plan.limits.speed,
             watchdog_us=round(plan.limits.watchdog * 1e6),
-            block_samples=min(max(block, 1), MOST_BLOCK),
+            block_samples=min(max(block, 1), MOST_SAMPLES),
             pulse=order_of(plan, trial.grip_target_n),
         )
     acts = plan.tried(trial.remedy)
@@ -117,7 +117,7 @@ def settings_of(plan: HwRunPlan | PulsePlan, trial: Trial) -> Settings:
         torque_limit_nm=plan.limits.torque,
         speed_limit_rad_s=plan.limits.speed,
         watchdog_us=round(plan.limits.watchdog * 1e6),
-        block_samples=min(max(block, 1), MOST_BLOCK),
+        block_samples=min(max(block, 1), MOST_SAMPLES),
     )
     if acts.encoder or acts.actuator:
         from hknob_cli.hardware.converters import converters_of
@@ -129,9 +129,12 @@ def settings_of(plan: HwRunPlan | PulsePlan, trial: Trial) -> Settings:
         return settings._replace(over_angle=over_angle_of(plan.effects, settings))
     if acts.controller is None:
         return settings
-    from hknob_cli.hardware.control import control_of
+    from hknob_cli.hardware.control import control_of, looks_of
 
-    return settings._replace(control=control_of(acts.controller, settings, _model_of(plan, acts.controller)))
+    control = control_of(acts.controller, settings, _model_of(plan, acts.controller))
+    # A block of the wire has less room for samples where readings are beside them; for more than it has, none.
+    most = most_samples(len(looks_of(control))) or MOST_SAMPLES
+    return settings._replace(control=control, block_samples=min(settings.block_samples, most))
 
 
 def _model_of(plan: HwRunPlan, controller: Controller) -> Model:

@@ -26,7 +26,7 @@ Flags = np.ndarray[Any, np.dtype[np.bool_]]
 
 
 class Control(NamedTuple):
-    """A controller of the wall as a target computes it: one reading and one torque an interval.
+    """A controller of the wall as a target computes it.
 
     ``law``: its number (`wire.codes.Law`); ``numbers`` that its function takes; ``rows``: its memory before the first
     sample, of which the first ``places`` begin with the place at which the knob is.
@@ -194,7 +194,8 @@ class Block(NamedTuple):
     ``time_us`` since arming, by the device's clock; ``angle_counts`` of the device's own encoder; ``torque_nm``
     commanded from this sample to the next; ``grip_n`` as the cell gives it, its zero not subtracted; ``running`` where
     the wall was on. ``overruns``: samples so far for which the loop was late. ``measured_torque_nm`` and
-    ``acceleration_rad_s2`` where the device has such a sensor.
+    ``acceleration_rad_s2`` where the device has such a sensor. ``looks`` (n, readings): angles that a controller read
+    within the interval before each sample, in counts of the device's own encoder; 0 before it has read any.
     """
 
     first: int
@@ -206,6 +207,7 @@ class Block(NamedTuple):
     overruns: int
     measured_torque_nm: Array | None = None
     acceleration_rad_s2: Array | None = None
+    looks: Counts | None = None
 
 
 class Device(Protocol):

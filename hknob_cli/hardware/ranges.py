@@ -9,11 +9,13 @@ from hknob_cli.hardware.control import begins_of, looks_of, senses_speed
 from hknob_cli.hardware.grip_trigger import pulse_of
 from hknob_cli.hardware.port import MOST_SINES, Identity, Settings, Simulated
 from hknob_cli.hardware.torque_line import MOST, room_of
+from hknob_cli.hardware.wire.answers import most_samples
 from hknob_cli.hardware.wire.codes import Law
 
 # A block must come well before silence counts as a dead link.
 LONGEST_BLOCK_S = 0.05
 LONGEST_PULSE_NS = 500_000_000
+MOST_LOOKS = 63  # readings of a target within an interval
 MOST_OVER_ANGLE = 16_640  # counts of a table
 
 
@@ -50,7 +52,7 @@ def faults_of_settings(settings: Settings, identity: Identity) -> list[str]:
         if senses_speed(settings.control) and not identity.knows_speed:
             faults.append("it has no sensor of the speed: only the virtual device has")
         if looks_of(settings.control) and not identity.knows_looks:
-            faults.append("it reads its encoder once a sample: only the virtual device reads it within the interval")
+            faults.append("it reads its encoder once a sample: its firmware is older (docs/reference/wire.md)")
     if (converters := settings.converters) is not None:
         if not identity.knows_converters:
             faults.append(
@@ -105,6 +107,11 @@ def faults_of_simulated(simulated: Simulated) -> list[str]:
 def faults(settings: Settings, identity: Identity) -> list[str]:
     """What is out of range for this device, one text for each value."""
     found = faults_of_settings(settings, identity)
+    looks = len(looks_of(settings.control))
+    if not found and looks > MOST_LOOKS:
+        found.append(f"it reads its encoder at most {MOST_LOOKS + 1} times a sample, not {looks + 1} times")
+    if not found and settings.block_samples > (most := most_samples(looks)):
+        found.append(f"block_samples: a block with {looks} readings beside each sample has at most {most} samples")
     block_s = settings.block_samples * settings.interval_s
     if not found and block_s > LONGEST_BLOCK_S:
         longest = LONGEST_BLOCK_S * 1e3

@@ -22,6 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.errors import DeviceError
+from hknob_cli.hardware.control import looks_of
 from hknob_cli.hardware.grip_trigger import GripTrigger
 from hknob_cli.hardware.port import Array, Block, Counts, Flags, Settings
 from hknob_cli.hardware.trial_wall import TrialWall
@@ -56,12 +57,17 @@ class AgreedWall:
         self._before: int | None = None
         others = (settings.control, settings.over_angle, settings.converters)
         self._followed = None if others == (None, None, None) else TrialWall(settings, native_counts)
+        controlled = self._followed.controlled if self._followed else None
+        self._reading = controlled if looks_of(settings.control) else None
 
-    def follow(self, angle_counts: Counts, running: Flags) -> WallTorque:
+    def follow(self, angle_counts: Counts, running: Flags, looks: Counts | None = None) -> WallTorque:
         """Torque from the next samples on, at their angles (n,) in counts of the device's own encoder.
 
-        Of more than the plain wall, which may have a memory that begins with the wall, it is 0 where the wall is off.
+        ``looks`` (n, readings): those read within the interval before each. Of more than the plain wall, which may have
+        a memory that begins with the wall, the torque is 0 where the wall is off. Raises `DeviceError` where readings
+        that the torque follows from are not told.
         """
+        read = self._read_of(looks)
         if self._followed is None:
             wall = wall_torque(angle_counts, self._settings, self._native, before=self._before)
             self._before = int(wall.coarse[-1])
@@ -71,9 +77,22 @@ class AgreedWall:
         self._before = int(coarse[-1])
         torque, terms, slack = (np.zeros(coarse.size) for _ in range(3))
         for i in np.flatnonzero(running).tolist():
+            if self._reading is not None:
+                for which, count in enumerate(read[i].tolist()):
+                    self._reading.look(which, count)
             sent = self._followed.follow(int(coarse[i]), int(earlier[i]), share=LAW_SHARE)
             torque[i], terms[i], slack[i] = sent.torque_nm, sent.size, sent.slack
         return WallTorque(torque, terms, coarse, slack)
+
+    def _read_of(self, looks: Counts | None) -> Counts:
+        """Readings in counts of the wall's encoder."""
+        wanted, told = len(looks_of(self._settings.control)), 0 if looks is None else looks.shape[1]
+        if told != wanted:
+            what = f"the device tells {told} readings within a sample interval, where its wall takes {wanted}"
+            raise DeviceError(what)
+        if looks is None or self._followed is None:
+            return np.zeros((0, 0), dtype=np.int64)
+        return self._followed.counts(looks)
 
 
 def wall_torque(angle_counts: Counts, settings: Settings, native_counts: int, *, before: int | None) -> WallTorque:
@@ -178,7 +197,7 @@ class LimitMonitor:
         if self._pulse is not None:
             self._check_pulse(self._pulse, block)
             return
-        wall = self._wall.follow(block.angle_counts, block.running)
+        wall = self._wall.follow(block.angle_counts, block.running, block.looks)
         expected: Array = np.where(block.running, wall.torque_nm, 0.0)
         allowed = LAW_SHARE * wall.terms + LAW_LIMIT_SHARE * settings.torque_limit_nm + wall.slack
         bad = np.abs(block.torque_nm - expected) > allowed

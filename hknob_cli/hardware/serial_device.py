@@ -24,7 +24,7 @@ from hknob_cli.hardware.wire.sending import Sent, differences, told_of
 from hknob_cli.hardware.wire.session import Session
 
 BAUD = 921_600
-KNOWS_CONVERTERS, KNOWS_PARTS = 1, 2  # of `Abilities`
+KNOWS_CONVERTERS, KNOWS_PARTS, KNOWS_LOOKS = 1, 2, 4  # of `Abilities`
 # After RELEASE was answered the line is listened to for two of the longest blocks: what goes on sampling shows itself.
 LISTEN_S = 0.1
 # Where the torque stays RELEASE is sent again, and said again, until the port closes.
@@ -214,6 +214,7 @@ class SerialDevice:
             laws=said.laws,
             knows_converters=bool(said.knows & KNOWS_CONVERTERS),
             knows_parts=bool(said.knows & KNOWS_PARTS),
+            knows_looks=bool(said.knows & KNOWS_LOOKS),
         )
 
     def _make_zero(self) -> None:

@@ -80,6 +80,7 @@ class VirtualLoop:
         self._last = 0.0
         self._wall = TrialWall(settings, native_counts)
         self._looks = looks_of(settings.control)
+        self._looked = [0] * len(self._looks)  # angles that were last read within an interval
         later = [(begins, i, -1) for i, begins in enumerate(self._wall.begins[1:])]
         self._within = sorted(later + [(at, -1, i) for i, at in enumerate(self._looks)])
         self._senses = senses_speed(settings.control)
@@ -96,10 +97,12 @@ class VirtualLoop:
         self._shown(grips)
         angles, torques = np.zeros(count, dtype=np.int64), np.zeros(count)
         on = np.full(count, running)
+        looks = np.zeros((count, len(self._looks)), dtype=np.int64)
         taken = count
         for i, (begin, push, extra) in enumerate(zip(begins.tolist(), pushes.tolist(), noise.tolist(), strict=True)):
             if self._held is not None:
                 self._move(*self._held, begin - self._last)
+                looks[i] = self._looked
             # A speed is over the time that passed, which is longer than a period after a late sample.
             passed_s = max(1.0, begin - self._last) * self._settings.interval_s
             self._noise = extra
@@ -119,6 +122,7 @@ class VirtualLoop:
             grip_n=as_single(grips[:taken]),
             running=on[:taken],
             overruns=self._overruns,
+            looks=looks[:taken] if self._looks else None,
         )
 
     def _move(self, sent: Sent, push: float, periods: float) -> None:
@@ -147,7 +151,8 @@ class VirtualLoop:
         assert self._wall.controlled is not None
         position = self._motion.angle_counts + self._noise
         if -_MOST_COUNTS <= position < _MOST_COUNTS:
-            self._wall.controlled.look(look, self._wall.count(floor(position)))
+            self._looked[look] = floor(position)
+            self._wall.controlled.look(look, self._wall.count(self._looked[look]))
 
     def _sample(self, index: int, position: float, passed_s: float, running: bool) -> tuple[int, Sent]:
         """Angle in counts and torques from a sample on, in the order of the wire; a fault means none, and is noted."""

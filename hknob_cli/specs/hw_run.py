@@ -142,15 +142,14 @@ def validate_hw_run(source: Source) -> HwRunPlan | PulsePlan:
     if spec.pulses is not None:
         faults.append(source.fault((PULSES,), "must be absent where what is not pulses", at_key=True))
     grip = None if spec.grip == "none" else spec.grip
-    wired = spec.device.driver != VIRTUAL
-    acting = acting_faults(spec, frozenset(source.value.get("controller") or ()), axes, wired=wired)
-    virtual = spec.device.driver == VIRTUAL
-    driven = driven_faults(spec, spec.knob or Knob(), virtual=virtual)
+    driver = spec.device.driver
+    acting = acting_faults(spec, frozenset(source.value.get("controller") or ()), axes, driver=driver)
+    driven = driven_faults(spec, spec.knob or Knob(), virtual=driver == VIRTUAL)
     found = (*device_faults(spec), *acting, *driven, *_faults(spec, axes), *_effect_faults(spec, axes))
     faults += [source.fault(place, text) for place, text in found]
     tries: tuple[Tried, ...] = (Tried(spec.wall, spec.controller, encoder=spec.encoder, actuator=spec.actuator),)
     if spec.remedies and not acting:
-        tries, wrong = tries_of(source, spec.remedies, spec.reference, axes, wired=wired)
+        tries, wrong = tries_of(source, spec.remedies, spec.reference, axes, driver=driver)
         faults += wrong
     faults += [source.fault(place, text) for place, text in _model_faults(spec, tries)]
     if faults:

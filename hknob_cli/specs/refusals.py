@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from hknob_cli.specs.campaign import REPLAY, SERIAL, VIRTUAL
 from hknob_cli.specs.capabilities import (
     APART,
     AT,
@@ -171,15 +172,11 @@ def _without_wall(scene: SceneSpec, controller: Controller, axes: Axes) -> Fault
     return found
 
 
-# Parts that the virtual device runs and no target at a wire, their keys, and what a target does.
-_VIRTUAL = {
-    "speed_sensor": ("velocity", "sensor", "no target has a sensor of the speed"),
-    "several_readings": ("detections", "above 1", "a target reads its encoder once a sample"),
-}
+MOST_READINGS = 64  # of a target, in a sample interval
 
 
-def device_refusals(acting: Any, *, wired: bool) -> Faults:
-    """What no device runs of a controller, encoder and actuator, which ``acting`` has; ``wired``: or no target."""
+def device_refusals(acting: Any, *, driver: str) -> Faults:
+    """What no device of a ``driver`` runs of a controller, encoder and actuator, which ``acting`` has."""
     found: Faults = []
     scene = Scene(knob=Knob(inertia=0.0), wall=Wall(stiffness=0.0))
     scene = scene._replace(controller=acting.controller, encoder=acting.encoder or Encoder(), actuator=acting.actuator)
@@ -189,10 +186,15 @@ def device_refusals(acting: Any, *, wired: bool) -> Faults:
             title = PARTS[part].title
             text = f"must be one that a device can run: this is {title}, and {reason(part, 'device')}"
             found.append((("scene", owner, key), text))
-    for part, (key, what, why) in _VIRTUAL.items():
-        if part in there and wired:
-            text = f"must not be {what} unless the driver is virtual: {why}, and records none"
-            found.append((("scene", "controller", key), text))
+    if "speed_sensor" in there and driver != VIRTUAL:
+        text = "must not be sensor unless the driver is virtual: no target has a sensor of the speed, and records none"
+        found.append((("scene", "controller", "velocity"), text))
+    if "several_readings" in there and driver == REPLAY:
+        text = "must be 1 where recordings are played back: they have no readings within an interval"
+        found.append((("scene", "controller", "detections"), text))
+    if "several_readings" in there and driver == SERIAL and acting.controller.detections > MOST_READINGS:
+        text = f"must be at most {MOST_READINGS} unless the driver is virtual: a target has room for no more readings"
+        found.append((("scene", "controller", "detections"), text))
     return found
 
 

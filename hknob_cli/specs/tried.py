@@ -42,13 +42,13 @@ class ActingSpec(Part):
     actuator: Actuator | None = None
 
 
-def acting_faults(acting: Any, given: frozenset[str], axes: Axes, *, wired: bool) -> list[tuple[Place, str]]:
+def acting_faults(acting: Any, given: frozenset[str], axes: Axes, *, driver: str) -> list[tuple[Place, str]]:
     """What is wrong with what a device is told, and what of it none runs; ``acting`` has the keys of `ActingSpec`.
 
-    ``given``: the keys of the controller that are listed; ``wired``: the device is no virtual one.
+    ``given``: the keys of the controller that are listed; ``driver``: the device's.
     """
     found = controller_faults(acting.controller, given, axes) if acting.controller else []
-    found = found or device_refusals(acting, wired=wired)
+    found = found or device_refusals(acting, driver=driver)
     found = [(place[1:], text) for place, text in found]  # a campaign has no scene around it
     if acting.actuator is not None and acting.actuator.torque_limit == 0.0:
         found.append((("actuator", "torque_limit"), "must be > 0 on a device"))
@@ -58,12 +58,12 @@ def acting_faults(acting: Any, given: frozenset[str], axes: Axes, *, wired: bool
 
 
 def tries_of(
-    source: Source, remedies: dict[str, TriedSpec], reference: str, axes: Axes, *, wired: bool
+    source: Source, remedies: dict[str, TriedSpec], reference: str, axes: Axes, *, driver: str
 ) -> tuple[tuple[Tried, ...], list[Fault]]:
     """What each remedy of a campaign, whose own wall and controller are valid, puts on the knob; or what is wrong."""
     tries, faults = [], []
     for name, remedy in remedies.items():
-        found = _tried(source, name, remedy, axes, wired=wired)
+        found = _tried(source, name, remedy, axes, driver=driver)
         if isinstance(found, list):
             faults += found
         else:
@@ -75,7 +75,7 @@ def tries_of(
     return tuple(tries), faults
 
 
-def _tried(source: Source, name: str, remedy: TriedSpec, axes: Axes, *, wired: bool) -> ActingSpec | list[Fault]:
+def _tried(source: Source, name: str, remedy: TriedSpec, axes: Axes, *, driver: str) -> ActingSpec | list[Fault]:
     """What a device is told under a remedy; or its faults, where its change was written."""
     stem: Path_ = ("remedies", name, "change")
     odd = [key for key in remedy.change if key not in ACTING]
@@ -91,5 +91,5 @@ def _tried(source: Source, name: str, remedy: TriedSpec, axes: Axes, *, wired: b
         acting = ActingSpec.model_validate(values)
     except ValidationError as error:
         return faults_of(source, ActingSpec, error, values=values, place=place)
-    found = acting_faults(acting, frozenset(values.get("controller") or ()), axes, wired=wired)
+    found = acting_faults(acting, frozenset(values.get("controller") or ()), axes, driver=driver)
     return [source.fault(place(path), text) for path, text in found] or acting

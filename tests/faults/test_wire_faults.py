@@ -28,7 +28,7 @@ from hknob_cli.hardware.wire.frame import MOST_STUFFED_BYTES, Decoder, body_of, 
 from hknob_cli.hardware.wire.messages import encode
 from hknob_cli.hardware.wire.session import Session
 from tests.conftest import ROOT
-from tests.hardware.controllers import told
+from tests.hardware.controllers import READING, told
 from tests.hardware.fake_target import Manners, PtyTarget, spoiler, spoilt
 from tests.hardware.golden import BOOT, CONVERTERS, GOLDEN, SETTINGS, WITH_SINES
 from tests.hardware.test_serial_device import assert_whole, trial
@@ -294,6 +294,31 @@ def test_a_target_without_a_law_is_told_from_one_that_has_it() -> None:
         device.configure(SETTINGS._replace(control=told("matched wall").control))
         with pytest.raises(DeviceError, match="it does not have the controller half_sample: its firmware is older"):
             device.configure(SETTINGS._replace(control=told("half sample").control))
+
+
+@pytest.mark.parametrize("name", READING)
+def test_a_target_that_reads_once_a_sample_is_not_asked_for_more(name: str) -> None:
+    said = "it reads its encoder once a sample: its firmware is older"
+    with PtyTarget(Manners(knows_acts=True)) as served, SerialDevice(served.url) as device:
+        device.configure(SETTINGS._replace(control=told("hold").control))
+        served.target.heard.clear()
+        with pytest.raises(DeviceError, match=said):
+            device.configure(SETTINGS._replace(control=told(name).control))
+        assert not {Kind.CONTROL, Kind.CONFIGURE} & set(served.target.heard)
+
+
+def test_a_target_that_reads_within_an_interval_is_told_to() -> None:
+    """And is refused what no block has room for, before it is asked."""
+    control, most = told("hold that reads").control, told("long impulse that reads most often").control
+    with PtyTarget(Manners(knows_acts=True, knows=7)) as served, SerialDevice(served.url) as device:
+        device.configure(SETTINGS._replace(control=control, block_samples=34))
+        for one, samples, said in (
+            (control, 35, "block_samples: a block with 3 readings beside each sample has at most 34 samples"),
+            (most, 4, "block_samples: a block with 63 readings beside each sample has at most 3 samples"),
+            (most._replace(numbers=(*most.numbers[:3], 64.0)), 3, "at most 64 times a sample, not 65 times"),
+        ):
+            with pytest.raises(DeviceError, match=said):
+                device.configure(SETTINGS._replace(control=one, block_samples=samples))
 
 
 def test_a_target_that_promises_abilities_must_tell_them() -> None:

@@ -10,6 +10,15 @@ from hknob_cli.specs.controller import Controller
 from tests.hardware.trials import settings
 
 DAMPED = {"kind": "velocity_damping", "damping": 2e-5}
+# Those that read the encoder within an interval.
+READING = {
+    "hold that reads": Controller("first_order_hold", detections=4),
+    "hold that reads, in steps": Controller("first_order_hold", correct=False, detections=5, steps=3),
+    "impulse that reads": Controller("impulse_damping", detections=20),
+    "long impulse that reads most often": Controller("impulse_damping", pulse=0.5, detections=64),
+    "timed within the interval": Controller(**DAMPED, velocity="timed", detections=8, time_out=0.02),
+    "timed within it, filtered": Controller(**DAMPED, velocity="timed", detections=3, low_pass=1e-3, angle="filtered"),
+}
 CONTROLLERS = {
     "lag": Controller("bounded_lag", keep=0.15, time_constant=0.1),
     "hold": Controller("first_order_hold"),
@@ -41,6 +50,7 @@ CONTROLLERS = {
     "hold in many steps without correction": Controller("first_order_hold", steps=64, correct=False),
     "half sample": Controller("half_sample"),
     "matched wall": Controller("matched_wall"),
+    **READING,
 }
 MODEL = Model(2.2e-6, 3.45e-4, 0.04)  # knob and hand of `trials.HAND`
 
@@ -49,6 +59,12 @@ def told(name: str, rate: float = 1000, counts: int = 1024, **changes: float) ->
     """Settings of a trial under one of `CONTROLLERS`."""
     plain = settings(rate, counts, **changes)
     return plain._replace(control=control_of(CONTROLLERS[name], plain, MODEL))
+
+
+def within(rng: random.Random, before: int, count: int, looks: int) -> list[int]:
+    """Counts that an encoder may show within the interval between two samples, and now and then others."""
+    least, most = sorted((before, count))
+    return [rng.randrange(least - 1, most + 2) for _ in range(looks)]
 
 
 def readings(seed: int, count: int) -> Iterator[int]:

@@ -47,6 +47,7 @@ class Manners:
     outside: bool = False  # the wall, where the made-up angles are: it has no torque there, as was agreed
     knows_acts: bool = False  # pulses, torques over the angle, converters
     abilities: int | None = 0b11_1111_1111_1110  # laws that it says it has; None: it does not know the question
+    knows: int = 3  # what else it says that it knows
     own_time: bool = False  # it says that its clock is made up, too: nobody holds it against this computer's
     late_s: float = 0.0
     version: int = 1
@@ -159,7 +160,7 @@ class FakeTarget:
                 return out, about._replace(own_time=manners.own_time, **flags)
             case Kind.ABILITIES, _:
                 laws = self.manners.abilities
-                return out, Status.NOT_KNOWN if laws is None else Abilities(laws, 3)
+                return out, Status.NOT_KNOWN if laws is None else Abilities(laws, self.manners.knows)
             case Kind.RELEASE, _:
                 self._rest(now)
                 self.blocks, self._event = [], None

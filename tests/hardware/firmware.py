@@ -185,7 +185,8 @@ def library() -> c.CDLL:
     built.law_act.restype = built.wall_controlled.restype = c.c_double
     built.law_begin.argtypes = (c.POINTER(CControl), c.POINTER(c.c_double), c.c_double)
     built.law_act.argtypes = (*built.law_begin.argtypes, c.POINTER(c.c_double))
-    built.law_parts.restype = built.law_known.restype = c.c_uint32
+    built.law_parts.restype = built.law_looks.restype = built.law_known.restype = c.c_uint32
+    built.law_looks.argtypes = (c.POINTER(CControl),)
     built.law_parts.argtypes = (c.POINTER(CControl), c.POINTER(c.c_double))
     built.convert_count.restype, built.convert_send.restype = c.c_int64, c.c_double
     built.convert_count.argtypes = (c.POINTER(CConverters), c.c_int32, c.c_uint32, c.c_uint32)

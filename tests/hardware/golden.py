@@ -68,6 +68,7 @@ PIECE = Piece(0, (1.0, 0.75, 0.5, 0.25, 0.0, 0.0))
 # An encoder that rounds to the nearest count, a dead band, steps, a limit, and a delay of a sample and a half.
 CONVERTERS = Converters(0.25, 0.0001, 0.0005, 0.04, 1.5, 1)
 ABILITIES = Abilities(laws=0x3FFE, knows=3)
+READING = Abilities(laws=0x3FFE, knows=7)
 PASSIVITY = Control(Law.PASSIVITY, 1, (0.0, 0.4444444444444444, 1.0), (0.0, 0.0, 0.0, 0.0))
 
 
@@ -153,6 +154,7 @@ GOLDEN: dict[str, Message] = {
     "ack_of_over_angle_not_known": ack(16, Kind.OVER_ANGLE, status=Status.NOT_KNOWN),
     "ack_of_torques": ack(17, Kind.TORQUES, said=PIECE),
     "ack_of_abilities": ack(18, Kind.ABILITIES, said=ABILITIES),
+    "ack_of_abilities_of_a_target_that_reads_within_an_interval": ack(18, Kind.ABILITIES, said=READING),
     "ack_of_converters": ack(19, Kind.CONVERTERS, said=CONVERTERS),
     "ack_of_converters_not_known": ack(19, Kind.CONVERTERS, status=Status.NOT_KNOWN),
     "ack_of_arm": ack(5, Kind.ARM, state=State.ARMED),
@@ -163,6 +165,7 @@ GOLDEN: dict[str, Message] = {
     "block_of_2": Samples(BOOT, 5, 0, block(2)),
     "block_of_48": Samples(BOOT, 5, 7, block(48, first=336, overruns=1, start_us=84_000)),
     "block_ending_in_254": ENDING_IN_254,
+    "readings_of_2": Samples(BOOT, 5, 0, block(2)._replace(looks=np.array([[0, 0, 0], [-2, -3, -2147483648]]))),
     "event": Event(BOOT, 5, Trip.WATCHDOG, 673, 168_250, 17),
 }
 
@@ -202,7 +205,8 @@ def samples(of: Block) -> list[str]:
         return [f"count={count}", f"sample_i={RULES[count]}"]
     rows = zip(of.time_us, of.angle_counts, of.torque_nm, of.grip_n, of.running, strict=True)
     texts = (f"({time},{angle},{torque:.9g},{float(grip)!r},{int(on)})" for time, angle, torque, grip, on in rows)
-    return [f"count={count}", *(f"sample{index}={text}" for index, text in enumerate(texts))]
+    looks = [] if of.looks is None else [f"looks{i}=[{';'.join(map(str, row))}]" for i, row in enumerate(of.looks)]
+    return [f"count={count}", *(f"sample{index}={text}" for index, text in enumerate(texts)), *looks]
 
 
 def text() -> str:

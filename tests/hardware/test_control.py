@@ -18,11 +18,12 @@ from hknob_cli.hardware.virtual import IDENTITY, VirtualDevice
 from hknob_cli.hardware.wire.codes import ALL_LAWS, Law
 from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.plan import Encoder, Hand, Knob, Scene, Wall
-from tests.hardware.controllers import CONTROLLERS, MODEL, told
-from tests.hardware.trials import ALIGNED, HAND, settings, virtual_trial
+from tests.hardware.controllers import CONTROLLERS, MODEL, READING, told
+from tests.hardware.trials import ALIGNED, HAND, part_of, settings, virtual_trial
 
-KNOWING = ALIGNED._replace(knows_control=True, knows_parts=True, laws=ALL_LAWS)
-NAMES = ["lag", "passivity", "damping everywhere", "timed", "phase by halves", "half sample", "impulse", "matched wall"]
+KNOWING = ALIGNED._replace(knows_control=True, knows_parts=True, knows_looks=True, laws=ALL_LAWS)
+ONCE = ["lag", "passivity", "damping everywhere", "timed", "phase by halves", "half sample", "impulse", "matched wall"]
+NAMES = [*ONCE, *READING]
 SCENE = Scene(knob=Knob(inertia=1.9e-6), wall=Wall(stiffness=0.27), hand=Hand(3e-7, 3.45e-4, 0.04), encoder=Encoder())
 
 
@@ -34,9 +35,10 @@ def test_the_numbers_are_those_of_a_sweep(name: str) -> None:
     assert Law(control.law).name.lower() == law.act.__name__
     assert control.numbers == pytest.approx([min(one, sys.float_info.max) for one in law.fixed], rel=1e-14)
     assert control.rows == tuple(law.first)
-    assert (control.places, law.looks) == (law.places, 0)
+    assert (control.places, law.looks) == (law.places, len(looks_of(control)))
     ends = np.cumsum(list(law.sched[::PIECE]))
-    assert (0.0, *ends[:-1]) == pytest.approx(begins_of(control), rel=1e-14)
+    pieces = sorted({*begins_of(control), *looks_of(control)})  # a torque or a reading begins each
+    assert [0.0, *ends[:-1]] == pytest.approx(pieces, rel=1e-14)
 
 
 SENSED = [Controller(kind, velocity="sensor") for kind in ("half_sample", "matched_wall")]
@@ -76,7 +78,7 @@ def watched(name: str, block: Block) -> None:
     watch = LimitMonitor(told(name), KNOWING.native_counts, wired=True)
     size = 40
     for i in range(0, len(block.time_us), size):
-        part = Block(block.first + i, *(column[i : i + size] for column in block[1:6]), block.overruns)
+        part = part_of(block, i, size)
         if part.running.any():
             watch.start()
         watch.check(part)
@@ -93,6 +95,8 @@ def test_the_virtual_device_runs_what_was_agreed(name: str) -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_the_torque_of_another_wall_is_noticed(name: str) -> None:
     plain = virtual_trial(settings(), HAND._replace(push_nm=3e-3), duration_s=0.5)
+    if looks := len(looks_of(told(name).control)):
+        plain = plain._replace(looks=np.repeat(plain.angle_counts[:, None], looks, axis=1))
     law = Law(told(name).control.law).name.lower()
     with pytest.raises(DeviceError, match=f"is not that of the wall under {law}"):
         watched(name, plain)
@@ -110,6 +114,23 @@ def test_a_torque_that_is_not_quite_the_law_is_noticed(change: Any) -> None:
     block = trial("lag")
     with pytest.raises(DeviceError, match=r"is not that of the wall under|where the wall is off"):
         watched("lag", block._replace(torque_nm=change(block.torque_nm)))
+
+
+@pytest.mark.parametrize("name", READING)
+def test_other_readings_are_noticed(name: str) -> None:
+    """The torque follows from what was read within the intervals: told otherwise, or not at all, the trial ends."""
+    block = trial(name)
+    assert block.looks is not None
+    assert (np.diff(block.looks[block.running], axis=0) != 0).any()
+    for change in (lambda looks: looks + 700, lambda looks: np.roll(looks, 1, axis=0)):
+        with pytest.raises(DeviceError, match="is not that of the wall under"):
+            watched(name, block._replace(looks=change(block.looks)))
+    wanted = block.looks.shape[1]
+    for looks, count in ((None, 0), (block.looks[:, :-1], wanted - 1)):
+        with pytest.raises(DeviceError, match=f"tells {count} readings .* its wall takes {wanted}"):
+            watched(name, block._replace(looks=looks))
+    with pytest.raises(DeviceError, match=f"tells {wanted} readings .* its wall takes 0"):
+        watched("lag", trial("lag")._replace(looks=block.looks))
 
 
 def test_a_lag_that_keeps_all_of_a_step_is_the_plain_wall_to_the_last_bit() -> None:
@@ -141,7 +162,7 @@ def test_older_firmware_is_refused_by_what_it_lacks() -> None:
             device.configure(told(name), HAND)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", ONCE)
 def test_a_recording_is_told_from_one_under_another_controller(name: str) -> None:
     block = trial(name)
     take = RecordedTrial(

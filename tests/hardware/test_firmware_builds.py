@@ -14,9 +14,11 @@ import pytest
 
 from hknob_cli.errors import DeviceError, UsageError
 from hknob_cli.hardware import reference_target
+from hknob_cli.hardware.control import control_of
+from hknob_cli.hardware.converters import Conversion
 from hknob_cli.hardware.order import settings_of, trials_of
 from hknob_cli.hardware.over_angle import over_angle_of
-from hknob_cli.hardware.port import Block, Converters, Device, Settings, Simulated, Sine
+from hknob_cli.hardware.port import ROUNDINGS, Block, Converters, Device, Settings, Simulated, Sine
 from hknob_cli.hardware.pulse_person import squeezer
 from hknob_cli.hardware.reference_target import QEMU, SOURCES, Target, build_target, compiler, run_target
 from hknob_cli.hardware.serial_device import SerialDevice
@@ -28,9 +30,12 @@ from hknob_cli.hardware.wire.frame import Decoder, frame
 from hknob_cli.hardware.wire.messages import Message, decode, encode
 from hknob_cli.specs.campaign import Effects
 from hknob_cli.specs.over_angle import Detents, EndStops
+from hknob_cli.specs.parts import Actuator, Encoder
 from tests.conftest import ROOT
-from tests.hardware.controllers import told
+from tests.hardware.controllers import CONTROLLERS, MODEL, told
 from tests.hardware.pulses import HELD, SPEC, planned
+from tests.hardware.test_virtual_trials_of_the_engine import SAMPLES, Case, engine_trial
+from tests.hardware.trials import HAND
 
 SETTINGS = Settings(1_000_000, 1024, 0.27, 1e-5, 0.05, 100.0, 50_000, 5)
 PERSON = Simulated(
@@ -149,6 +154,53 @@ def test_what_the_program_recommends_is_run_as_by_the_virtual_device(
     for what in ("angle_counts", "torque_nm"):
         assert np.array_equal(column(found, what, count=count), column(expected, what, count=count)), what
     assert len(set(column(found, "torque_nm", count=count).tolist())) > 3
+
+
+READING = {
+    "hold that reads, in steps": Converters(delay_samples=0.25, offset_counts=0.25),
+    "impulse that reads": Converters(rounding=1),
+    "timed within the interval": None,
+}
+
+
+@pytest.mark.parametrize(("target", "count"), [("host", 500), ("qemu", 100)])
+@pytest.mark.parametrize("name", READING)
+def test_readings_within_an_interval_are_those_of_the_virtual_device(
+    name: str, target: Target, count: int, built: Path
+) -> None:
+    """Their angles, too, which the host checks the torque by."""
+    need(target)
+    # The emulated machine takes some 250 us from reading to reading, and has to listen to the host, too.
+    rate = 1000 if target == "host" else 150 if name == "impulse that reads" else 455
+    settings = told(name, rate, torque_limit_nm=0.2)
+    settings = settings._replace(converters=READING[name], block_samples=5)
+    with VirtualDevice() as device:
+        expected = trial(device, settings, count)
+    found = undisturbed_trial(target, built, settings, count)
+    for what in ("angle_counts", "torque_nm", "looks"):
+        assert np.array_equal(column(found, what, count=count), column(expected, what, count=count)), what
+    assert len(set(column(found, "torque_nm", count=count).tolist())) > 3
+    looks = column(found, "looks", count=count)
+    assert not looks[0].any()
+    assert (np.diff(looks, axis=1) != 0).any()
+
+
+@pytest.mark.parametrize("name", [*READING, "long impulse that reads most often"])
+def test_a_target_counts_at_every_sample_what_the_engine_does(name: str, built: Path) -> None:
+    """The host target against the engine itself, from the first sample on, and its torques to single precision."""
+    need("host")
+    converters = READING.get(name)
+    said = converters or Converters()
+    encoder = Encoder(rounding=ROUNDINGS[said.rounding], offset_counts=said.offset_counts)
+    case = Case(CONTROLLERS[name], encoder, Actuator(delay_samples=said.delay_samples))
+    settings = told(name, 1000, 1000, torque_limit_nm=1.0, block_samples=3)._replace(converters=converters)
+    settings = settings._replace(control=control_of(CONTROLLERS[name], settings, MODEL))
+    found = undisturbed_trial("host", built, settings, SAMPLES, HAND)
+    seen, torques = engine_trial(case, 1000, 1000)  # 640 of the target's counts to one: every edge is on one of them
+    angles = column(found, "angle_counts", count=SAMPLES)
+    assert Conversion(settings, 640_000).counts(angles).tolist() == seen
+    assert min(seen) < 0 < max(seen)
+    assert column(found, "torque_nm", count=SAMPLES) == pytest.approx(np.array(torques), rel=3e-7, abs=1e-12)
 
 
 def test_the_emulated_target_runs_a_controller(built: Path) -> None:

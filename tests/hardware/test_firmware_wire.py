@@ -37,7 +37,7 @@ from tests.hardware.golden import GOLDEN
 
 LINES = [row.split(" | ") for row in (ROOT / "data/wire/golden_frames.txt").read_text().splitlines() if row[0] != "#"]
 FRAMES = {name: bytes.fromhex(text) for name, _, text in LINES}
-COMMANDS = [name for name in FRAMES if not name.startswith(("ack", "block", "event"))]
+COMMANDS = [name for name in FRAMES if not name.startswith(("ack", "block", "event", "readings"))]
 
 
 def unstuffed(data: bytes) -> bytes:

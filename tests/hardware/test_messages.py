@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hknob_cli.hardware.port import Block, Control, Settings
-from hknob_cli.hardware.wire.answers import Samples
+from hknob_cli.hardware.wire.answers import Samples, most_samples
 from hknob_cli.hardware.wire.codes import Kind
 from hknob_cli.hardware.wire.commands import Configure, Plain, SetAct, Simulate
 from hknob_cli.hardware.wire.frame import Decoder, frame
@@ -17,6 +17,7 @@ from hknob_cli.hardware.wire.messages import decode, encode
 from tests.conftest import ROOT
 from tests.hardware.golden import BOOT, GOLDEN, LAG, SETTINGS, SIMULATED, WITH_SINES, block, text
 
+BODY_MOST = 1024
 FILE = ROOT / "data" / "wire" / "golden_frames.txt"
 LINES = [line.split(" | ") for line in FILE.read_text().splitlines() if not line.startswith("#")]
 
@@ -156,3 +157,20 @@ def test_blocks_come_back(first: int, overruns: int, count: int, data: st.DataOb
     columns = (column(u32, np.int64), angles, column(floats, float), column(floats, float), column(st.booleans(), bool))
     message = Samples(BOOT, 5, 3, Block(first, *columns, overruns))
     assert same(decode(encode(message)), message)
+
+
+@settings(deadline=None)
+@given(st.integers(1, 63), st.data())
+def test_readings_come_back(looks: int, data: st.DataObject) -> None:
+    count = data.draw(st.integers(1, most_samples(looks)))
+    angles = st.lists(st.integers(-(2**31), 2**31 - 1), min_size=looks, max_size=looks)
+    read = np.array(data.draw(st.lists(angles, min_size=count, max_size=count)), np.int64)
+    message = Samples(BOOT, 5, 3, block(count)._replace(looks=read))
+    assert message.kind is Kind.READINGS
+    body = encode(message)
+    assert len(body) <= BODY_MOST
+    back = decode(body)
+    assert same(back, message)
+    spoilt = bytearray(body)
+    spoilt[23] = 0  # no readings: that is another message
+    assert decode(bytes(spoilt)) is None

@@ -42,7 +42,15 @@ def settings(rate: float = 1000, counts: int = 1024, **changes: float) -> Settin
 def joined(blocks: list[Block]) -> Block:
     """Blocks as one."""
     arrays = [np.concatenate([block[i] for block in blocks]) for i in range(1, 6)]
-    return Block(blocks[0].first, *arrays, blocks[-1].overruns)
+    looks = None if blocks[0].looks is None else np.concatenate([block.looks for block in blocks])
+    return Block(blocks[0].first, *arrays, blocks[-1].overruns, looks=looks)
+
+
+def part_of(block: Block, begin: int, size: int) -> Block:
+    """Some samples of a block, as one."""
+    part = slice(begin, begin + size)
+    looks = None if block.looks is None else block.looks[part]
+    return Block(block.first + begin, *(column[part] for column in block[1:6]), block.overruns, looks=looks)
 
 
 def take(device: Device, told: Settings, simulated: Simulated, *, blocks: int, before: int = 1) -> list[Block]:

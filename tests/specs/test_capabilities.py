@@ -273,25 +273,46 @@ def test_a_campaign_on_a_knob_refuses_what_the_table_says(part: str) -> None:
     assert all(one.message.startswith("must be one that a device can run") for one in error.value.faults)
 
 
-@pytest.mark.parametrize("part", ["speed_sensor", "several_readings"])
-@pytest.mark.parametrize("device", [{"driver": "serial", "target": "host"}, {"driver": "replay", "recordings": ["a"]}])
-def test_what_only_the_virtual_device_reads_is_refused_by_others(part: str, device: dict[str, Any]) -> None:
+HOST, REPLAYED = {"driver": "serial", "target": "host"}, {"driver": "replay", "recordings": ["a"]}
+SENSING = CHANGES["speed_sensor"]["scene"]["controller"]
+READING = CHANGES["several_readings"]["scene"]["controller"]
+
+
+@pytest.mark.parametrize(
+    ("controller", "device", "said"),
+    [
+        (SENSING, HOST, "controller.velocity: must not be sensor unless the driver is virtual"),
+        (SENSING, REPLAYED, "controller.velocity: must not be sensor unless the driver is virtual"),
+        (READING, REPLAYED, "controller.detections: must be 1 where recordings are played back"),
+        ({**READING, "detections": 65}, HOST, "controller.detections: must be at most 64 unless the driver is virtual"),
+    ],
+)
+def test_what_only_the_virtual_device_reads_is_refused_by_others(
+    controller: dict[str, Any], device: dict[str, Any], said: str
+) -> None:
     source = Source("spec.yaml")
-    told = {"controller": CHANGES[part]["scene"]["controller"], "device": device}
+    told = {"controller": controller, "device": device}
     source.value = {"kind": "hw-run", "name": "small", "model": {"inertia": 2e-6}, **told}
-    if part == "several_readings":
+    if controller["kind"] == "impulse_damping":
         del source.value["model"]
     with pytest.raises(SpecError) as error:
         validate(source)
     (fault,) = error.value.faults
-    assert fault.key in ("controller.velocity", "controller.detections")
-    assert "unless the driver is virtual" in fault.message
+    assert f"{fault.key}: {fault.message}".startswith(said)
     source.value = {"kind": "hw-run", "name": "small", "remedies": {"plain wall": {}, "other": {"change": told}}}
     del source.value["remedies"]["other"]["change"]["device"]
     source.value["device"] = device
     with pytest.raises(SpecError) as error:
         validate(source)
-    assert any("unless the driver is virtual" in one.message for one in error.value.faults)
+    assert any(said.partition(": ")[2] in one.message for one in error.value.faults)
+
+
+@pytest.mark.parametrize("detections", [4, 64])
+def test_a_target_takes_readings_within_an_interval(detections: int) -> None:
+    source = Source("spec.yaml")
+    told = {"controller": {**READING, "detections": detections}, "device": HOST}
+    source.value = {"kind": "hw-run", "name": "small", **told}
+    validate(source)
 
 
 MOVED = ("motor", "coil", "current_loop", "supply", "eddy_brake")

@@ -20,10 +20,11 @@ uint32_t board_boot(void);
 uint64_t board_now_ns(void);
 
 /* Have the sample clock call target_sample() once, as soon as this time has come; BOARD_NEVER: not at all. It is asked
-   for more than once an interval where a torque changes within it. */
+   for more than once an interval where a torque changes within it, or the encoder is read. */
 void board_call_at(uint64_t time_ns);
 
-/* Counts of the knob's encoder, growing outwards, 0 at the wall's edge. Called once a sample. */
+/* Counts of the knob's encoder at this moment, growing outwards, 0 at the wall's edge. Called once a sample, and at each
+   reading within an interval that a controller asks for. */
 int32_t board_angle(void);
 
 /* Torque in N·m from now on, positive outwards. 0 must take effect at once. */
@@ -48,7 +49,7 @@ bool board_armed(const struct settings *settings);
 void board_started(void);
 
 /* So much of a sample interval has passed under the torque that was last set: a simulated knob moves. `ends`: a sample
-   comes next, else another torque within the interval. Nothing where the knob is real. */
+   comes next, else another torque or a reading within the interval. Nothing where the knob is real. */
 void board_passed(double part, bool ends);
 
 /* Take on another simulated knob; the status of the answer: NOT_KNOWN where the knob is real. */

@@ -6,7 +6,8 @@
 
 /* Counts per revolution of the encoder as the machine counts them, four per line; a period that the sample, with all
    that board_angle() and board_torque() do, surely fits into twice; no flag, or NO_GRIP_CELL; a name of at most 15 letters.
-   RECORD_SAMPLES (record.h) times this period must be at least 100 ms; OVER_ANGLE_MOST (over_angle.h) takes 8 bytes each. */
+   RECORD_SAMPLES (record.h) times this period must be at least 100 ms; OVER_ANGLE_MOST (over_angle.h) takes 8 bytes each,
+   RECORD_LOOKS (record.h) 4: what it has no room for is refused. */
 const struct identity board_identity = {4096u, 250000u, 0u, "my knob"};
 
 /* Another number after every start: from a random number generator, a battery-backed clock, or a counter kept in flash.
@@ -35,7 +36,8 @@ void board_call_at(uint64_t time_ns)
 /* The encoder's count, 32 bits or widened to them, latched once. 0 is the wall's edge: set it when the knob is at its
    mark, or let the host do it (ZERO). Turning outwards counts up; swap the encoder's lines if it does not. An absolute
    encoder tells where it is within one turn: add the difference to the reading before, taken between plus and minus half
-   a turn, to a count of your own, so that the angle goes on across the place where the reading starts anew. */
+   a turn, to a count of your own, so that the angle goes on across the place where the reading starts anew. A controller
+   may ask for up to 63 readings between two samples: each must be of its own moment, not that of the last sample. */
 int32_t board_angle(void)
 {
     return 0;

@@ -13,7 +13,7 @@
 #define MEAN_SAMPLES 64.0
 #define UNSURE (1.0 / 6.0)
 #define DRIFT 0.05
-#define WINDOW_MOST 64 /* PARTS_MOST, too */
+#define WINDOW_MOST 64 /* PARTS_MOST and LOOKS_MOST + 1, too */
 
 enum { BOUNDED_LAG = 1, FIRST_ORDER_HOLD, PASSIVITY, PHASE_DAMPING, STIFFENING, VELOCITY_DAMPING, DIFFERENCED_VELOCITY,
        TIMED_VELOCITY, ADAPTIVE_VELOCITY, TRACKED_VELOCITY, IMPULSE_DAMPING, HALF_SAMPLE, MATCHED_WALL, LAWS };
@@ -25,11 +25,22 @@ static double bounded_lag(double shown, double *past, const double *fixed)
     return w - (1.0 - fixed[2]) * smaller(larger(w - past[0], -1.0), 1.0);
 }
 
-/* Without readings within the interval. */
 static double first_order_hold(double shown, double *past, const double *fixed, double *parts)
 {
     double now = depth_of(shown, fixed[0]), before = past[0];
     double mean = 1.5 * now - 0.5 * before, acted = 0.5 * (now + before);
+    int count = (int)fixed[2] + 1;
+    if (count > 1) {
+        double total = 0.0, moment = 0.0;
+        for (int k = 0; k <= count; k++) {
+            double w = k == 0 ? before : k == count ? now : depth_of(past[2 + k], fixed[0]);
+            total = total + w;
+            moment = moment + (k - 0.5 * count) * w;
+        }
+        double slope = moment * (12.0 / ((count + 1) * (count + 2)));
+        mean = 0.5 * (now + (total / (count + 1) + 1.5 * slope));
+        acted = (total - 0.5 * (before + now)) / count;
+    }
     double missed = fixed[1] > 0.0 ? acted - past[1] : 0.0;
     past[0] = now;
     past[1] = mean;
@@ -41,10 +52,18 @@ static double first_order_hold(double shown, double *past, const double *fixed, 
     return steps > 1 ? parts[0] : mean + missed;
 }
 
-/* Without readings within the interval. */
 static double impulse_damping(double shown, double *past, const double *fixed, double *parts)
 {
-    double now = depth_of(shown, fixed[0]), missed = 0.5 * (now - past[0]);
+    double now = depth_of(shown, fixed[0]), before = past[0], missed = 0.5 * (now - before);
+    int looks = (int)fixed[3];
+    if (looks > 0) {
+        int count = looks + 1;
+        double between = 0.0;
+        for (int i = 0; i < looks; i++) {
+            between += depth_of(past[2 + i], fixed[0]);
+        }
+        missed = (0.5 * now - (count - 0.5) * before + between) / count;
+    }
     past[0] = now;
     parts[1] = now;
     return now + fixed[2] * missed / fixed[1];
@@ -222,6 +241,20 @@ uint32_t law_parts(const struct control *c, double *begins)
     return count;
 }
 
+uint32_t law_looks(const struct control *c)
+{
+    switch (c->law) {
+    case FIRST_ORDER_HOLD:
+        return (uint32_t)c->numbers[2];
+    case IMPULSE_DAMPING:
+        return (uint32_t)c->numbers[3];
+    case TIMED_VELOCITY:
+        return (uint32_t)c->numbers[OWN] - 1u;
+    default:
+        return 0u;
+    }
+}
+
 uint32_t law_known(void)
 {
     return (1u << LAWS) - 2u;
@@ -232,7 +265,9 @@ void law_begin(const struct control *c, double *past, double count)
     for (unsigned i = 0; i < c->row_count; i++) {
         past[i] = i < c->places ? count + c->numbers[0] : c->rows[i];
     }
-    past[c->row_count] = count;
+    for (unsigned i = 0; i <= law_looks(c); i++) {
+        past[c->row_count + i] = count;
+    }
 }
 
 /* A number of samples: whole, and within the memory; 0 if it is not. */
@@ -267,11 +302,11 @@ static bool shape_of(const struct control *c, unsigned *rows, unsigned *places)
     if (window == 0u || (estimates && fixed[LAST] != (double)*rows)) {
         return false;
     }
-    /* More than one reading a sample, or a sensor of the speed. */
-    bool once = (c->law != TIMED_VELOCITY || fixed[OWN] == 1.0) && (c->law != VELOCITY_DAMPING || fixed[2] == 0.0);
-    once = once && (c->law != FIRST_ORDER_HOLD || (fixed[2] == 0.0 && window_of(fixed[3]) > 0u));
-    once = once && (c->law != HALF_SAMPLE || fixed[4] == 0.0) && (c->law != MATCHED_WALL || fixed[3] == 0.0);
-    return once && (c->law != IMPULSE_DAMPING || (fixed[1] > 0.0 && fixed[1] <= 1.0 && fixed[3] == 0.0));
+    /* Of readings there is room for LOOKS_MOST beside the sample's; and there is no sensor of the speed. */
+    bool takes = (c->law != TIMED_VELOCITY || window_of(fixed[OWN]) > 0u) && (c->law != VELOCITY_DAMPING || fixed[2] == 0.0);
+    takes = takes && (c->law != FIRST_ORDER_HOLD || (window_of(fixed[2] + 1.0) > 0u && window_of(fixed[3]) > 0u));
+    takes = takes && (c->law != HALF_SAMPLE || fixed[4] == 0.0) && (c->law != MATCHED_WALL || fixed[3] == 0.0);
+    return takes && (c->law != IMPULSE_DAMPING || (fixed[1] > 0.0 && fixed[1] <= 1.0 && window_of(fixed[3] + 1.0) > 0u));
 }
 
 bool control_in_range(const struct control *c)

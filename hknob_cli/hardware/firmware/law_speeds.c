@@ -45,20 +45,25 @@ double differenced_velocity(double shown, double *past, const double *fixed)
     return filter_and_act(shown, total / window, moved, past + window - 1, fixed);
 }
 
-/* With one reading a sample. */
 double timed_velocity(double shown, double *past, const double *fixed)
 {
-    double moved = shown - past[(int)fixed[LAST]], time = smaller(past[0] + 1.0, fixed[NEXT]), changed = 0.0;
-    if (moved != 0.0) {
-        changed = time;
-        time = 0.0;
+    int last = (int)fixed[LAST], ticks = (int)fixed[OWN];
+    double before = past[last], time = past[0], moved = shown - before, changed = 0.0;
+    for (int i = 0; i < ticks; i++) {
+        double now = i < ticks - 1 ? past[last + 1 + i] : shown;
+        time = smaller(time + 1.0, fixed[NEXT]);
+        if (now != before) {
+            changed += time;
+            time = 0.0;
+        }
+        before = now;
     }
     if (changed > 0.0) {
-        past[1] = moved / smaller(changed, fixed[NEXT]);
+        past[1] = moved * ticks / smaller(changed, fixed[NEXT]);
     }
     past[0] = time;
     if (time > 0.0) { /* a count more would have been seen */
-        past[1] = smaller(larger(past[1], -1.0 / time), 1.0 / time);
+        past[1] = smaller(larger(past[1], -ticks / time), ticks / time);
     }
     if (time >= fixed[NEXT]) {
         past[1] = 0.0;

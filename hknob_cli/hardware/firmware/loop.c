@@ -5,9 +5,11 @@
 
 #include "board.h"
 #include "convert.h"
-#include "law.h"
 #include "target.h"
 #include "wall.h"
+
+/* What a record must have room for. */
+#define KEPT_NS 100000000u
 
 struct loop loop;
 
@@ -16,16 +18,29 @@ bool loop_on(void)
     return loop.state == ARMED || loop.state == RUNNING;
 }
 
+/* Whether a block with so many readings beside each sample fits a frame, and 100 ms of them the record. */
+static bool looks_fit(uint32_t looks)
+{
+    const struct settings *s = &loop.settings;
+    return looks == 0u || (s->block_samples * (SAMPLE_BYTES + 4u * looks) <= BLOCK_BYTES &&
+                           (uint64_t)record_room(looks) * s->period_ns >= KEPT_NS);
+}
+
 bool loop_arm(void)
 {
     static const struct control none;
+    bool other = loop.over_angle.head.size > 0u || loop.pulse.width > 0u;
     uint32_t parts = law_parts(loop.over_angle.head.size > 0u ? &none : &loop.control, loop.parts);
-    if (!line_begin(&loop.line, parts, loop.parts, loop.converters.delay_samples) || !board_armed(&loop.settings)) {
+    uint32_t looks = law_looks(other ? &none : &loop.control);
+    if (!looks_fit(looks) || !line_begin(&loop.line, parts, loop.parts, loop.converters.delay_samples) ||
+        !board_armed(&loop.settings)) {
         return false;
     }
-    loop.slot = 0u;
+    loop.within = loop.look_late = false;
     loop.passed = 0.0;
-    record_begin(&loop.record, loop.settings.block_samples);
+    loop.look_count = looks;
+    memset(loop.looks, 0, sizeof loop.looks);
+    record_begin(&loop.record, loop.settings.block_samples, looks);
     loop.overruns = 0u;
     loop.control_begun = false;
     memset(&loop.pulsing, 0, sizeof loop.pulsing);
@@ -156,26 +171,53 @@ static double torque_at(int64_t count, float grip_n)
     return line_torque(&loop.line, 0u);
 }
 
-/* Have the clock call for the next torque within this interval; for the next sample, if there is none. */
+/* When the next torque and the next reading of this interval are due, in parts of it; 1, its end, where none is left. */
+static double next_torque(void)
+{
+    return loop.slot < loop.line.slot_count ? loop.line.slots[loop.slot].begins : 1.0;
+}
+
+static double next_look(void)
+{
+    return loop.looked < loop.look_count ? (double)(loop.looked + 1u) / (double)(loop.look_count + 1u) : 1.0;
+}
+
+static uint64_t time_within(double part)
+{
+    return loop.taken_ns + (uint64_t)(part * loop.settings.period_ns);
+}
+
+/* Have the clock call for the next torque or reading within this interval; for the next sample, if there is none. */
 static void call_next(void)
 {
-    if (loop.state == RUNNING && loop.pulse.width == 0u && loop.slot < loop.line.slot_count) {
-        board_call_at(loop.taken_ns + (uint64_t)(loop.line.slots[loop.slot].begins * loop.settings.period_ns));
-    } else {
-        loop.slot = 0u;
-        board_call_at(loop.due_ns);
-    }
+    double torque = next_torque(), look = next_look(), next = look < torque ? look : torque;
+    loop.within = loop.state == RUNNING && loop.pulse.width == 0u && next < 1.0;
+    board_call_at(loop.within ? time_within(next) : loop.due_ns);
 }
 
 /* Another torque, within an interval. */
-static void change_torque(void)
+static void change_torque(double begins)
 {
-    double begins = loop.line.slots[loop.slot].begins;
     board_passed(begins - loop.passed, false);
     loop.passed = begins;
     board_torque(wall_limit(line_torque(&loop.line, loop.slot), loop.settings.torque_limit_nm));
     loop.slot++;
-    call_next();
+}
+
+/* A reading, within an interval: for the law, and for the record of the next sample. */
+static void look_within(double at)
+{
+    const struct settings *s = &loop.settings;
+    if (board_now_ns() > time_within(at) + s->period_ns / (2u * (loop.look_count + 1u))) {
+        loop.look_late = true;
+    }
+    board_passed(at - loop.passed, false);
+    loop.passed = at;
+    int32_t angle = angle_now();
+    loop.looks[loop.looked] = angle;
+    loop.past[loop.control.row_count + 1u + loop.looked] =
+        (double)convert_count(&loop.converters, angle, s->counts_per_rev, board_identity.native_counts);
+    loop.looked++;
 }
 
 void target_sample(void)
@@ -184,15 +226,22 @@ void target_sample(void)
     if (!loop_on()) {
         return;
     }
-    if (loop.slot > 0u) {
-        change_torque();
+    if (loop.within) {
+        double torque = next_torque(), look = next_look();
+        if (look <= torque) { /* of both at once the reading is first */
+            look_within(look);
+        } else {
+            change_torque(torque);
+        }
+        call_next();
         return;
     }
     uint64_t now = board_now_ns();
     uint32_t index = loop.record.taken;
-    if (now > loop.due_ns + s->period_ns / 2u) {
+    if (now > loop.due_ns + s->period_ns / 2u || loop.look_late) {
         loop.overruns++;
     }
+    loop.look_late = false;
     if (!record_has_room(&loop.record)) {
         trip(FAULT_NO_ROOM, index, now);
         return;
@@ -215,7 +264,7 @@ void target_sample(void)
     board_torque(torque);
     struct sample sample = {time_of(index, now), angle, (float)torque, grip_n,
                             loop.state == RUNNING && fault == NO_FAULT ? WALL_ON : 0u};
-    record_add(&loop.record, &sample, loop.overruns);
+    record_add(&loop.record, &sample, loop.looks, loop.overruns);
     if (fault != NO_FAULT) {
         trip(fault, index, now);
         return;
@@ -230,5 +279,6 @@ void target_sample(void)
         loop.due_ns += ((now - loop.due_ns) / s->period_ns + 1u) * s->period_ns;
     }
     loop.slot = 1u;
+    loop.looked = 0u;
     call_next();
 }

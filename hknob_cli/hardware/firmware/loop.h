@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "law.h"
 #include "line.h"
 #include "over_angle.h"
 #include "pulse.h"
@@ -30,11 +31,15 @@ struct loop {
     uint32_t told_us; /* time of the sample before */
     bool control_begun;
     struct pulse_state pulsing;
-    double past[LAW_ROWS_MOST + 1u]; /* the controller's memory, then the last reading */
-    double parts[PARTS_MOST];        /* torques of an interval */
+    double past[LAW_PAST_MOST]; /* the controller's memory, then the last reading and those since */
+    double parts[PARTS_MOST];   /* torques of an interval */
     struct line line;
-    uint32_t slot;   /* that is next within this interval; 0: a sample is */
-    double passed; /* of this interval, when the last torque was set */
+    bool within;    /* a torque or a reading within this interval is next, not a sample */
+    uint32_t slot;  /* the next torque of this interval */
+    double passed;  /* of this interval, when the last torque was set or the encoder read */
+    uint32_t look_count, looked; /* readings within an interval, and how many of this one were made */
+    int32_t looks[LOOKS_MOST];   /* their angles; 0 where none were made */
+    bool look_late;              /* one of them was, by more than half the time between two */
 };
 
 extern struct loop loop;

@@ -128,13 +128,14 @@ size_t event_write(uint8_t *body, const struct event *e)
 size_t block_write(uint8_t *body, const struct block *b)
 {
     size_t at = put(body, 0u, WIRE_VERSION, 1u);
-    at = put(body, at, BLOCK, 1u);
+    at = put(body, at, b->looks > 0u ? READINGS : BLOCK, 1u);
     at = put(body, at, b->boot, 4u);
     at = put(body, at, b->run, 4u);
     at = put(body, at, b->block, 4u);
     at = put(body, at, b->first, 4u);
     at = put(body, at, b->overruns, 4u);
-    return put(body, at, b->count, 1u);
+    at = put(body, at, b->count, 1u);
+    return b->looks > 0u ? put(body, at, b->looks, 1u) : at;
 }
 
 size_t sample_write(uint8_t *body, size_t at, const struct sample *s)
@@ -144,6 +145,14 @@ size_t sample_write(uint8_t *body, size_t at, const struct sample *s)
     at = put_f32(body, at, s->torque_nm);
     at = put_f32(body, at, s->grip_n);
     return put(body, at, s->flags, 1u);
+}
+
+size_t looks_write(uint8_t *body, size_t at, const int32_t *looks, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        at = put(body, at, (uint32_t)looks[i], 4u);
+    }
+    return at;
 }
 
 size_t identity_write(uint8_t *body, size_t at, const struct identity *i)
@@ -161,7 +170,7 @@ size_t identity_write(uint8_t *body, size_t at, const struct identity *i)
 size_t abilities_write(uint8_t *body, size_t at, uint32_t laws)
 {
     at = put(body, at, laws, 4u);
-    return put(body, at, (unsigned)KNOWS_CONVERTERS | (unsigned)KNOWS_PARTS, 4u);
+    return put(body, at, (unsigned)KNOWS_CONVERTERS | (unsigned)KNOWS_PARTS | (unsigned)KNOWS_LOOKS, 4u);
 }
 
 size_t zero_write(uint8_t *body, size_t at, int32_t angle)

@@ -15,10 +15,14 @@
 #define LAW_NUMBERS_MOST 9u
 #define LAW_ROWS_MOST 65u
 #define PARTS_MOST 64u /* torques in a sample interval */
+#define LOOKS_MOST 63u /* readings of the encoder within one, beside that of the sample */
+#define SAMPLE_BYTES 17u
+#define BLOCK_BYTES 1000u /* of samples in a block, with what was read between them */
 
 enum { HELLO = 0x01, CONFIGURE = 0x02, ARM = 0x03, START = 0x04, STOP = 0x05, RELEASE = 0x06, ALIVE = 0x07,
        AGAIN = 0x08, ZERO = 0x09, SIMULATE = 0x10, CONTROL = 0x11, PULSE = 0x12, SQUEEZE = 0x13,
-       OVER_ANGLE = 0x14, TORQUES = 0x15, ABILITIES = 0x16, CONVERTERS = 0x17, ACK = 0x81, BLOCK = 0x82, EVENT = 0x83 };
+       OVER_ANGLE = 0x14, TORQUES = 0x15, ABILITIES = 0x16, CONVERTERS = 0x17, ACK = 0x81, BLOCK = 0x82, EVENT = 0x83,
+       READINGS = 0x84 };
 enum { DONE = 0, NOT_NOW = 1, OUT_OF_RANGE = 2, NOT_KNOWN = 3 };
 enum { IDLE = 0, ARMED = 1, RUNNING = 2, TRIPPED = 3 };
 enum { NO_FAULT = 0, FAULT_WATCHDOG = 1, FAULT_SPEED = 2, FAULT_NOT_A_NUMBER = 3, FAULT_EMERGENCY = 4, FAULT_NO_ROOM = 5 };
@@ -103,7 +107,7 @@ struct command {
 enum { SIMULATED = 1, NO_GRIP_CELL = 2, OWN_TIME = 4, KNOWS_ZERO = 8, KNOWS_CONTROL = 16, KNOWS_PULSES = 32,
        KNOWS_OVER_ANGLE = 64, KNOWS_ABILITIES = 128 };
 /* Of the answer to ABILITIES: beside the laws, a bit each, what else it knows. */
-enum { KNOWS_CONVERTERS = 1, KNOWS_PARTS = 2 };
+enum { KNOWS_CONVERTERS = 1, KNOWS_PARTS = 2, KNOWS_LOOKS = 4 };
 
 struct identity {
     uint32_t native_counts, shortest_period_ns;
@@ -125,7 +129,7 @@ struct sample {
 
 struct block {
     uint32_t boot, run, block, first, overruns;
-    uint8_t count;
+    uint8_t count, looks; /* looks: angles that follow each sample; of none the message is BLOCK, else READINGS */
 };
 
 struct event {
@@ -154,6 +158,7 @@ size_t squeeze_write(uint8_t *body, size_t at, const struct squeeze *squeeze);
 size_t abilities_write(uint8_t *body, size_t at, uint32_t laws);
 size_t converters_write(uint8_t *body, size_t at, const struct converters *converters);
 size_t sample_write(uint8_t *body, size_t at, const struct sample *sample);
+size_t looks_write(uint8_t *body, size_t at, const int32_t *looks, size_t count);
 
 bool settings_in_range(const struct settings *settings, const struct identity *identity);
 bool simulated_in_range(const struct simulated *simulated);

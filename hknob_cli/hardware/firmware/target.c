@@ -35,7 +35,7 @@ void target_begin(void)
     memset(&loop, 0, sizeof loop);
     board_torque(0.0);
     self.boot = board_boot();
-    record_begin(&loop.record, 1u);
+    record_begin(&loop.record, 1u, 0u);
 }
 
 static uint8_t arm(uint32_t nonce)
@@ -172,7 +172,7 @@ static uint8_t zero(int32_t angle)
 static uint8_t release(void)
 {
     loop_halt(IDLE, NO_FAULT);
-    record_begin(&loop.record, 1u);
+    record_begin(&loop.record, 1u, 0u);
     self.sent = self.again = self.again_end = 0u;
     return DONE;
 }

@@ -2,7 +2,7 @@
 
 import struct
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,7 +18,9 @@ BLOCK = struct.Struct("<IIIIIB")
 SAMPLE = np.dtype([("time_us", "<u4"), ("angle", "<i4"), ("torque_nm", "<f4"), ("grip_n", "<f4"), ("flags", "u1")])
 EVENT = struct.Struct("<IIBIII")
 
+LOOKS = struct.Struct("<B")  # of READINGS, behind the head of a block
 MOST_SAMPLES = 48
+MOST_SAMPLE_BYTES = 1000  # of a block, with what was read within the intervals
 SIMULATED_FLAG = RUNNING_FLAG = 1
 NO_GRIP_CELL_FLAG, OWN_TIME_FLAG, KNOWS_ZERO_FLAG, KNOWS_CONTROL_FLAG, KNOWS_PULSES_FLAG = 2, 4, 8, 16, 32
 KNOWS_OVER_ANGLE_FLAG, KNOWS_ABILITIES_FLAG = 64, 128
@@ -69,7 +71,7 @@ class Ack(NamedTuple):
 
 
 class Samples(NamedTuple):
-    """Block number ``block`` of a run."""
+    """Block number ``block`` of a run; READINGS where it has what was read within the intervals."""
 
     boot: int
     run: int
@@ -79,7 +81,7 @@ class Samples(NamedTuple):
     @property
     def kind(self) -> Kind:
         """Its type."""
-        return Kind.BLOCK
+        return Kind.BLOCK if self.samples.looks is None else Kind.READINGS
 
 
 class Event(NamedTuple):
@@ -108,11 +110,15 @@ def pack_answer(answer: Answer) -> bytes:
             return ACK.pack(*answer[:-1]) + _pack_said(answer.said)
         case Samples():
             block = answer.samples
-            rows = np.zeros(len(block.time_us), SAMPLE)
+            looks = 0 if block.looks is None else block.looks.shape[1]
+            rows = np.zeros(len(block.time_us), _samples_with(looks))
             rows["time_us"], rows["angle"], rows["flags"] = block.time_us, block.angle_counts, block.running
             rows["torque_nm"], rows["grip_n"] = block.torque_nm, block.grip_n
             head = BLOCK.pack(answer.boot, answer.run, answer.block, block.first, block.overruns, len(rows))
-            return head + rows.tobytes()
+            if block.looks is None:
+                return head + rows.tobytes()
+            rows["looks"] = block.looks
+            return head + LOOKS.pack(looks) + rows.tobytes()
         case Event():
             return EVENT.pack(*answer)
 
@@ -126,7 +132,7 @@ def unpack_answer(kind: Kind, data: bytes) -> Answer:
     if kind is Kind.EVENT:
         boot, run, fault, index, time_us, blocks = EVENT.unpack(data)
         return Event(boot, run, Trip(fault), index, time_us, blocks)
-    return _unpack_block(data)
+    return _unpack_block(data, looks=kind is Kind.READINGS)
 
 
 def _pack_said(said: Said | None) -> bytes:
@@ -195,11 +201,28 @@ _UNPACK: dict[int, Callable[[bytes], Said]] = {
 }
 
 
-def _unpack_block(data: bytes) -> Samples:
+def _samples_with(looks: int) -> np.dtype[Any]:
+    """A sample with so many readings behind it."""
+    return np.dtype([*SAMPLE.descr, ("looks", "<i4", (looks,))]) if looks else SAMPLE
+
+
+def most_samples(looks: int) -> int:
+    """How many samples a block has at most where so many readings are with each; 0: not even one."""
+    return min(MOST_SAMPLES, MOST_SAMPLE_BYTES // _samples_with(looks).itemsize)
+
+
+def _unpack_block(data: bytes, *, looks: bool) -> Samples:
     boot, run, block, first, overruns, count = BLOCK.unpack_from(data)
-    if not 1 <= count <= MOST_SAMPLES or len(data) != BLOCK.size + count * SAMPLE.itemsize:
+    begin, each = BLOCK.size, 0
+    if looks:
+        (each,) = LOOKS.unpack_from(data, begin)
+        begin += LOOKS.size
+        if each == 0:
+            raise ValueError("readings")
+    kind = _samples_with(each)
+    if not 1 <= count <= MOST_SAMPLES or len(data) != begin + count * kind.itemsize:
         raise ValueError("length")
-    rows = np.frombuffer(data, SAMPLE, offset=BLOCK.size)
+    rows = np.frombuffer(data, kind, offset=begin)
     with np.errstate(invalid="ignore"):  # a NaN that signals; what is no number ends the trial, by its name
         torque_nm, grip_n = rows["torque_nm"].astype(np.float64), rows["grip_n"].astype(np.float64)
     samples = Block(
@@ -210,5 +233,6 @@ def _unpack_block(data: bytes) -> Samples:
         grip_n,
         (rows["flags"] & RUNNING_FLAG).astype(np.bool_),
         overruns,
+        looks=rows["looks"].astype(np.int64) if looks else None,
     )
     return Samples(boot, run, block, samples)

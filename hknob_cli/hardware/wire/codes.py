@@ -28,6 +28,7 @@ class Kind(IntEnum):
     ACK = 0x81
     BLOCK = 0x82
     EVENT = 0x83
+    READINGS = 0x84
 
 
 class Law(IntEnum):
