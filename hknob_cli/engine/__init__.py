@@ -1,7 +1,7 @@
 """The engine: exact propagation from sample to sample, and proofs of where trials end.
 
 - `propagator` the plant over a hold
-- `loop` encoder, wall, delay, zero-order hold
+- `loop` encoder (rounding to nearest is a shift made in `scene`), wall, delay, zero-order hold
 - `turning` points of the motion
 - `certificate` the proof of an orbit
 - `relay_cycles` two-level orbits, enumerated

@@ -1,4 +1,4 @@
-"""The split of the wall's work: late entry, late exit, staircase."""
+"""The energy audit's split of the wall's work: late entry, late exit, staircase."""
 
 import numpy as np
 import pytest

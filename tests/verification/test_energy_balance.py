@@ -1,4 +1,4 @@
-"""Energy of every certified cycle: the work of the wall equals the loss in the damping.
+"""Energy audit of every certified cycle: the work of the wall equals the loss in the damping.
 
 Source: the theory, "At a limit cycle the work of the wall torque over a cycle equals the loss in b": over a closed
 motion the bias and the hand's spring return what they take. The package computes the two sides independently, the work
