@@ -57,15 +57,18 @@ def members(corners: np.ndarray, chance: np.random.Generator, count: int) -> np.
 
 
 def off(state: np.ndarray, corners: np.ndarray, units: np.ndarray) -> float:
-    """Distance of a state from the hull of some corners, bounded by the units of the norm."""
+    """Distance of a state from a point of the hull of some corners, near the nearest, in the units of the norm.
+
+    The shares are those of a fit in which their sum is 1 nearly; made to sum to 1 they are a point of the hull, whose
+    distance is told without the fit's roundings.
+    """
     from scipy.optimize import nnls
 
     scale = units[:, None] / max(1e-300, np.abs(corners * units).max())
-    weight = 1e6  # of the shares' sum
-    a = np.vstack([corners.T * scale, weight * np.ones(len(corners))])
-    b = np.concatenate([state * scale[:, 0], [weight]])
-    _, left = nnls(a, b)
-    return float(left / scale[0, 0] * units[0])
+    weight = 100.0  # of the shares' sum
+    shares, _ = nnls(np.vstack([corners.T * scale, np.full(len(corners), weight)]), [*(state * scale[:, 0]), weight])
+    apart = np.longdouble(state) - np.longdouble(corners).T @ np.longdouble(shares / shares.sum())
+    return float(np.sqrt(((apart * units) ** 2).sum()))
 
 
 def pieces_of(room: PieceRoom, waiting: int, knob: GeneralKnob) -> list[tuple[np.ndarray, np.ndarray, list[float]]]:
