@@ -79,11 +79,11 @@ def interview(kind: str, begin: Callable[[str], str], out: Path | None, talk: In
     text = begin("" if origin == own else origin)
     answers: dict[Question, str] = {}
     for one in questions(kind, text) if origin in (own, *names()) else ():  # a file has its answers
-        answers[one] = talk.answer(
-            one.asked,
-            one.default,
-            lambda given, one=one: refuse(kind, text, {**answers, one: given}, beside),  # type: ignore[misc]
-        )
+
+        def refuse_this(given: str, one: Question = one) -> None:
+            refuse(kind, text, {**answers, one: given}, beside)
+
+        answers[one] = talk.answer(one.asked, one.default, refuse_this)
     text = answered(kind, text, answers)
     if out is not None:
         return text, out

@@ -135,7 +135,9 @@ def _valued(points: list[Point], number: int, *, signed: bool) -> list[tuple[Poi
 
 def _say_none(panel: "Axes", series: int) -> bool:
     """Write "none" into a panel whose series are empty, and tell whether it is one."""
-    empty = not any(line.get_xdata().size for line in panel.lines[:series])  # type: ignore[union-attr]
+    import numpy as np
+
+    empty = not any(np.size(line.get_xdata()) for line in panel.lines[:series])
     if empty:
         panel.text(0.5, 0.5, "none", ha="center", va="center", transform=panel.transAxes)
     return empty
