@@ -5,9 +5,11 @@ functions, and to `floor`, replaced by compiled ones, so that nothing in the sou
 side reorders or fuses arithmetic: results are the same to the last bit.
 """
 
+import contextlib
 import hashlib
 import importlib
 import os
+import re
 import sys
 import types
 from collections.abc import Callable
@@ -88,6 +90,7 @@ UNSAMPLED = (
     *(f"unsampled.{name}" for name in ("wall_pieces", "edge_time", "state_machine", "settling", "swing", "event_rows")),
 )
 PULSE = ("pulse", "pulse_friction")
+INTERPRETED = "interpreted"  # file beside compiled code
 ALLOCATING = ("copy_line",)  # functions of the engine that make an array
 # What is compiled for a scene, or for a recorded pulse: its modules, and functions of which Python calls one first.
 GROUPS = {
@@ -153,6 +156,26 @@ def is_kept(group: str = "plain") -> bool:
     # Folders may go while one looks: make_own_folder tries one, in every process.
     begin = tuple(f"{entry}-" for entry in GROUPS[group][1])
     return any(name.startswith(begin) and name.endswith(".nbi") for _, _, names in os.walk(folder) for name in names)
+
+
+def note_interpreted(group: str, seconds: float) -> None:
+    """Keep, beside compiled code, that a run has interpreted a group for so long: the next run weighs with it."""
+    folder = cache_directory()
+    if not _not_kept() and folder is not None:
+        with contextlib.suppress(OSError), (folder / INTERPRETED).open("a", encoding="ascii") as file:
+            file.write(f"{group}: {seconds:.2f}\n")
+
+
+def interpreted_s(group: str = "plain") -> float:
+    """Seconds for which earlier runs have interpreted a group, where that is kept; lines that are damaged count not."""
+    folder = cache_directory()
+    if _not_kept() or folder is None:
+        return 0.0
+    try:
+        lines = (folder / INTERPRETED).read_text(encoding="ascii", errors="replace").splitlines()
+    except OSError:
+        return 0.0
+    return sum(float(number[1]) for line in lines if (number := re.fullmatch(rf"{group}: (\d+\.\d\d)", line)))
 
 
 def waiting(group: str = "plain") -> str:

@@ -63,9 +63,9 @@ def test_functions_are_counted_with_all_that_they_call() -> None:
     assert every <= len(functions)
 
 
-def test_one_cell_does_not_wait_for_a_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_one_cell_does_not_wait_for_a_compiler(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Without compiled code on disk the interpreter goes on until it has taken as long as compiling would."""
-    monkeypatch.setattr(jit, "is_kept", lambda _group="plain": False)
+    monkeypatch.setenv("HKNOB_CACHE_DIR", str(tmp_path))
     told: list[str] = []
     stage = SweepStage(loaded(ONE_CELL), jobs=1, engines=Engines(notify=told.append))
     result = stage.run()
@@ -77,7 +77,10 @@ def test_one_cell_does_not_wait_for_a_compiler(monkeypatch: pytest.MonkeyPatch) 
     assert 0.0 < patience.seconds < compiling.COMPILING_S[GROUP]
 
 
-def test_work_that_takes_longer_than_compiling_is_compiled_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_work_that_takes_longer_than_compiling_is_compiled_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HKNOB_CACHE_DIR", str(tmp_path))
     asked: list[str] = []
     monkeypatch.setattr(Engines, "compile", lambda self, group: asked.append(group))
     monkeypatch.setattr(SweepStage, "_results", lambda self, some, expected: iter(()))
@@ -89,8 +92,8 @@ def test_work_that_takes_longer_than_compiling_is_compiled_at_once(monkeypatch: 
     assert asked == [GROUP]
 
 
-def test_an_interpreter_that_has_taken_its_time_gives_way(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(jit, "is_kept", lambda _group="plain": False)
+def test_an_interpreter_that_has_taken_its_time_gives_way(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HKNOB_CACHE_DIR", str(tmp_path))
     asked: list[str] = []
     monkeypatch.setattr(Engines, "compile", lambda self, group: asked.append(group))
     stage = SweepStage(loaded(ONE_CELL), jobs=1)

@@ -1,7 +1,7 @@
 """Which groups of the engine's functions are compiled, and when that is worth its time, for all sweeps of a command.
 
 Many short sweeps are as long as one long sweep: what they had interpreted together decides, and what one has compiled
-the next ones take.
+the next ones take. So are many short runs of the command: what they have interpreted is kept beside compiled code.
 """
 
 from collections.abc import Callable, Mapping
@@ -36,6 +36,7 @@ class Engines:
         self._notify = notify
         self._worth: dict[str, float] = {}
         self._interpreted_s: dict[str, float] = {}
+        self._kept_s: dict[str, float] = {}  # of these seconds, those that later runs know of
 
     def compile(self, group: str) -> None:
         """Have the compiled functions of a group."""
@@ -61,6 +62,16 @@ class Engines:
         if group not in self.functions:
             self._interpreted_s[group] = self._interpreted_s.get(group, 0.0) + seconds
 
+    def keep(self) -> None:
+        """Let later runs know how long this one has interpreted, where it took longer than loading compiled code."""
+        from hknob_cli.engine.jit import is_kept, note_interpreted
+
+        for group, seconds in self._interpreted_s.items():
+            new = seconds - self._kept_s.get(group, 0.0)
+            if new > LOADING_S and group in HEAVIER and not is_kept(group):
+                note_interpreted(group, new)
+                self._kept_s[group] = seconds
+
     def is_due(self, group: str) -> bool:
         """Whether the interpreter has taken as long with a group as compiling does."""
         return group in HEAVIER and group not in self.functions and self.patience(group).seconds == 0.0
@@ -76,10 +87,11 @@ class Engines:
         )
 
     def _compiler_s(self, group: str) -> float:
-        """Seconds that it takes to have compiled code of a group: to load it, or to make it."""
+        """Seconds that it takes to have compiled code of a group: to load it, or to make it, less those interpreted."""
         from hknob_cli.engine.compiling import COMPILING_S
-        from hknob_cli.engine.jit import is_kept
+        from hknob_cli.engine.jit import interpreted_s, is_kept
 
         if group not in self._worth:
-            self._worth[group] = LOADING_S if is_kept(group) else COMPILING_S[group]
+            left = 0.0 if is_kept(group) else COMPILING_S[group] - interpreted_s(group)
+            self._worth[group] = max(LOADING_S, left)
         return self._worth[group]

@@ -146,6 +146,7 @@ class SweepStage:
             if self.engines.is_due(result.group):
                 self.engines.compile(result.group)
             progress(len(results), self.cell_count)
+        self.engines.keep()
         return results, taken
 
     def run_cell(self, cell: Cell) -> CellResult:

@@ -18,8 +18,17 @@ def planned(*overrides: str, spec: Path = EXPERIMENTS / "hand_on_knob.yaml") -> 
     return found
 
 
-def test_what_many_sweeps_had_interpreted_is_counted_together(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(jit, "is_kept", lambda _group="plain": False)
+@pytest.fixture
+def nothing_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder for compiled code with nothing in it yet; the file of what was interpreted, not there either."""
+    monkeypatch.setenv("HKNOB_CACHE_DIR", str(tmp_path))
+    folder = jit.cache_directory()
+    assert folder is not None
+    return folder / jit.INTERPRETED
+
+
+@pytest.mark.usefixtures("nothing_kept")
+def test_what_many_sweeps_had_interpreted_is_counted_together() -> None:
     engines = Engines()
     whole_s = compiling.COMPILING_S["laws"]
     before = engines.patience("laws")
@@ -31,6 +40,57 @@ def test_what_many_sweeps_had_interpreted_is_counted_together(monkeypatch: pytes
     assert engines.patience("laws") == before._replace(seconds=0.0)
     assert engines.is_due("laws")
     assert not engines.is_due("plain")
+
+
+@pytest.mark.usefixtures("nothing_kept")
+def test_what_earlier_runs_had_interpreted_is_counted_too() -> None:
+    whole_s = compiling.COMPILING_S["laws"]
+    for share in (0.75, 0.5, 0.25):
+        run = Engines()
+        assert run.patience("laws").seconds == pytest.approx((share + 0.25) * whole_s, abs=0.01)
+        run.note("laws", 0.25 * whole_s)
+        run.keep()
+        run.keep()  # once is enough
+    assert Engines().patience("plain").seconds == compiling.COMPILING_S["plain"]
+    run = Engines()
+    run.note("laws", 10.0 * whole_s)
+    run.keep()
+    assert Engines().patience("laws").seconds == LOADING_S
+
+
+def test_runs_as_short_as_loading_compiled_code_are_not_counted(nothing_kept: Path) -> None:
+    run = Engines()
+    run.note("laws", LOADING_S)
+    run.keep()
+    assert not nothing_kept.exists()
+
+
+def test_a_damaged_line_is_not_counted(nothing_kept: Path) -> None:
+    jit.note_interpreted("laws", 2.5)
+    with nothing_kept.open("ab") as file:
+        file.write(b"laws: nan\nlaws: 9\xff.00\nlaws\nlaws: -3.00\nlaws: 1e9\ngeneral: 1.25\nlaws: 3.7")
+    assert jit.interpreted_s("laws") == 2.5
+    assert jit.interpreted_s("general") == 1.25
+
+
+def test_where_nothing_can_be_kept_the_interpreter_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(jit, "_not_kept", lambda: "a reason")
+    jit.note_interpreted("laws", 2.5)
+    assert jit.interpreted_s("laws") == 0.0
+
+
+@pytest.mark.usefixtures("nothing_kept")
+def test_a_grid_that_is_run_again_and_again_is_compiled_in_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first runs are interpreted, until they have taken as long as compiling; so `make sweep` does not wait."""
+    asked: list[str] = []
+    monkeypatch.setattr(Engines, "compile", lambda self, group: asked.append(group))
+    for takes_s in (3.5, 3.5, 3.5):
+        run = Engines()
+        run.compile_for({"plain": COMPILE_ABOVE * takes_s / LOADING_S})
+        if not asked:
+            run.note("plain", takes_s)
+            run.keep()
+    assert asked == ["plain"]
 
 
 def test_what_one_sweep_has_compiled_the_next_one_takes() -> None:
@@ -46,7 +106,7 @@ def test_what_one_sweep_has_compiled_the_next_one_takes() -> None:
 
 @pytest.mark.parametrize(("kept", "worth_s"), [(True, LOADING_S), (False, compiling.COMPILING_S["general"])])
 def test_work_is_compiled_for_where_it_takes_longer(
-    kept: bool, worth_s: float, monkeypatch: pytest.MonkeyPatch
+    kept: bool, worth_s: float, nothing_kept: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(jit, "is_kept", lambda _group="plain": kept)
     asked: list[str] = []
