@@ -32,6 +32,7 @@ settings: {tolerances: [1.0e-9], substeps: [1]}
 """
 
 
+@pytest.mark.long
 def test_errors_times_and_verdicts(hknob, spec_file, tmp_path: Path) -> None:
     done = hknob("bench", spec_file(TINY), "-o", "out", "--plot")
     assert done.returncode == 0, done.stderr
@@ -82,6 +83,7 @@ def test_a_run_stops_at_its_limit(hknob, spec_file) -> None:
         assert row["error_rad"] is None
 
 
+@pytest.mark.long
 def test_a_method_that_flies_off_has_failed(hknob, spec_file) -> None:
     text = TINY.replace("damping: 3.45e-4", "damping: 10.0").replace("[exact, rk23, euler]", "[euler]")
     summary = json.loads(hknob("bench", spec_file(text), "--json", "--set", "base.duration=0.2").stdout)

@@ -16,6 +16,7 @@ SENSED = REMEDIES.replace("bounded_lag, keep: 0.15, time_constant: 0.05", "half_
 SEARCH = DESIGN.replace("starts: {phases: 2}", f"starts: {RANGE}")
 
 
+@pytest.mark.long
 def test_remedies_are_compared_by_their_largest_cycles(hknob, spec_file, tmp_path: Path) -> None:
     """Lists are complete, with a controller too; what is found from one start stands beside."""
     done = hknob("remedies", spec_file(REMEDIES), "-o", "out")

@@ -63,6 +63,7 @@ def test_a_fault_is_named_and_the_torque_released(hknob, tmp_path: Path, fault: 
     pytest.fail(said)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("fault", "why"),
     [
@@ -83,6 +84,7 @@ def test_torque_that_stays_is_said_again_and_again_until_the_port_closes(
     assert "torque released" not in said[-1]
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("how", ["fast", "slow"])
 def test_a_clock_that_is_wrong_by_2_percent_is_noticed_by_the_computers_own(hknob, tmp_path: Path, how: str) -> None:
     """Loop and times are of the same wrong clock, so that only another can tell."""

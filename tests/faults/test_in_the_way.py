@@ -78,6 +78,7 @@ PLANTED: dict[str, Callable[[Path, Path], None]] = {
 }
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("what", PLANTED)
 def test_what_is_planted_is_refused_and_never_followed(sweep, half_done, elsewhere, tmp_path: Path, what: str) -> None:
     out = tmp_path / "out"

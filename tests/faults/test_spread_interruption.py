@@ -133,6 +133,7 @@ def test_a_signal_while_workers_begin(undisturbed, tmp_path: Path, kind: signal.
     wait_until(lambda: not members(process.pid), "all processes are gone")
 
 
+@pytest.mark.long
 def test_two_runs_on_one_folder(undisturbed, tmp_path: Path) -> None:
     spec, wanted = undisturbed
     out = tmp_path / "out"

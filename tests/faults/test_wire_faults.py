@@ -236,6 +236,7 @@ UNSENT = ("control", "converters", "over_angle", "pulse", "squeeze")  # sent by 
 SENT = [name for name in (*Settings._fields, *Control._fields, *type(WITH_SINES)._fields) if name not in UNSENT]
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", SENT)
 def test_a_target_that_took_another_value_is_not_armed(name: str) -> None:
     with PtyTarget(Manners(alter=another(name))) as served, SerialDevice(served.url) as device:
@@ -250,6 +251,7 @@ TABLE = OverAngle(-20, 7, 0.5, -0.25, tuple(float(k) / 64.0 for k in range(40)))
 PULSE = PulseOrder(2.0, 0.1, 0.01, 0.5, 1e-3, 0.02)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("acts", "name"),
     [

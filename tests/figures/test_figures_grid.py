@@ -206,6 +206,7 @@ def drawn(evidence: ResultSet, name: str, of: object, options: dict) -> str:
     return theme.svg(draw(name, evidence, of, options), name="f", title="a figure")
 
 
+@pytest.mark.one_in(20)
 @pytest.mark.parametrize(("name", "of", "options", "said"), CASES, ids=[f"{c[0]}-{i}" for i, c in enumerate(CASES)])
 def test_a_drawing_says_what_it_shows(
     evidence: ResultSet, name: str, of: object, options: dict, said: tuple[str, ...]

@@ -95,6 +95,7 @@ def column(blocks: list[Block], name: str, *, count: int) -> np.ndarray:
     return np.concatenate([getattr(block, name) for block in blocks])[running][:count]
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("rate", [455, 1000, 2000])
 @pytest.mark.parametrize("target", TARGETS)
 def test_the_same_samples_as_the_virtual_device(target: Target, rate: int, built: Path) -> None:
@@ -114,6 +115,7 @@ def test_the_same_samples_as_the_virtual_device(target: Target, rate: int, built
     assert grip.max() <= np.spacing(np.float32(1.0))
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", ["lag", "passivity", "timed through a low-pass", "phase by Kalman"])
 def test_under_a_controller_the_same_samples_as_the_virtual_device(name: str, built: Path) -> None:
     need("host")
@@ -138,6 +140,7 @@ CONVERTED = {
 }
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(("target", "count"), [("host", 500), ("qemu", 150)])
 @pytest.mark.parametrize("name", CONVERTED)
 def test_what_the_program_recommends_is_run_as_by_the_virtual_device(
@@ -163,6 +166,7 @@ READING = {
 }
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("target", "count"), [("host", 500), ("qemu", 100)])
 @pytest.mark.parametrize("name", READING)
 def test_readings_within_an_interval_are_those_of_the_virtual_device(
@@ -185,6 +189,7 @@ def test_readings_within_an_interval_are_those_of_the_virtual_device(
     assert (np.diff(looks, axis=1) != 0).any()
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", [*READING, "long impulse that reads most often"])
 def test_a_target_counts_at_every_sample_what_the_engine_does(name: str, built: Path) -> None:
     """The host target against the engine itself, from the first sample on, and its torques to single precision."""

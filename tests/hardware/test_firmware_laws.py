@@ -62,6 +62,7 @@ def test_torques_are_those_of_the_engine_to_the_last_bit(name: str) -> None:
     assert [*past][: rows + 1 + looks] == wall.memory
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", NAMES)
 def test_a_trial_is_that_of_the_law(name: str) -> None:
     """Armed, started, limited and recorded: what the loop sends is the law's, rounded as the wire does."""

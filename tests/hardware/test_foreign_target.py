@@ -61,6 +61,7 @@ def test_a_campaign(hknob, tmp_path: Path) -> None:
         assert here["frequency_hz"] == pytest.approx(there["frequency_hz"], rel=0.1)
 
 
+@pytest.mark.long
 def test_a_campaign_without_a_grip_cell(hknob, tmp_path: Path) -> None:
     with foreign_target("--no-grip-cell") as url:
         refused = hknob(*arranged(tmp_path, url))

@@ -141,7 +141,7 @@ def test_keys_reach_everything_and_show_where(browser: Any, address: str, scheme
         assert tab.locator("[aria-sort=ascending]").count() == 1
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize("viewport", [WIDE, PHONE])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_nobody_is_barred(browser: Any, address: str, scheme: str, viewport: dict[str, int]) -> None:

@@ -115,6 +115,7 @@ def test_kinds_of_parquet(kind: str, file, tmp_path: Path) -> None:
     assert read([path])[0].key == Key("7", "pinch", 0.72, 1, 1)
 
 
+@pytest.mark.long
 def test_trials_across_blocks_of_a_large_file(tmp_path: Path) -> None:
     """A million rows, read in several pieces; the ceiling only tells seconds from minutes."""
     trials = [trial(number=n, length_s=10.0, seed=n) for n in range(1, 11)]

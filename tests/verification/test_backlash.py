@@ -190,6 +190,7 @@ def test_energy_of_cycles_through_the_play(cells: list[Cell]) -> None:
     assert parted >= 8
 
 
+@pytest.mark.long
 def test_cycles_through_the_play_by_the_integrator(cells: list[Cell]) -> None:
     """A cycle of the engine closes by DOP853, too, and by what its tolerance grows to over a period."""
     checked = 0

@@ -7,6 +7,7 @@ deviation of 2.3 %: it is above 89 % unless it is 2.6 of them off, or the interv
 """
 
 import numpy as np
+import pytest
 
 from hknob_cli.identify.finger_network import FINGER_INERTIA, ORDER, respond_fourth
 from hknob_cli.identify.fourth_order import fourth_order
@@ -34,6 +35,7 @@ def drawn(rng: np.random.Generator) -> tuple[dict[str, float], float, bool]:
     return dict(zip(ORDER, values, strict=True)), 2e-6 * 50.0 ** rng.uniform(), bool(rng.integers(2))
 
 
+@pytest.mark.long
 def test_intervals_hold_the_truth() -> None:
     rng = np.random.default_rng(11)
     held, told, asked = 0, 0, 0

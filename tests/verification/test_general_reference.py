@@ -33,6 +33,7 @@ def test_same_as_the_plain_model(rounding: str, offset: float, delay: float) -> 
         assert abs(sample.angle - theta) < mp.mpf(10) ** -50
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_same_as_scipy(case: Case) -> None:
     arguments = {**case.arguments, "samples": min(SAMPLES, case.samples)}

@@ -159,7 +159,7 @@ def check_controlled(drawn: list[Drawn]) -> tuple[int, int]:
     return trials, cycles
 
 
-@pytest.mark.one_in(6)
+@pytest.mark.one_in(12)
 @pytest.mark.parametrize("controller", ORDER)
 def test_beside_a_controller(controller: str) -> None:
     trials, _ = check_controlled(with_hysteresis(controller, 3, seed=31))

@@ -143,6 +143,7 @@ def check_orbits(case: Case) -> int:
     return cycles
 
 
+@pytest.mark.long
 def test_proven_orbits_of_random_scenes() -> None:
     assert sum(check_orbits(random_case(seed)) for seed in range(1000, 1006)) >= 2
 

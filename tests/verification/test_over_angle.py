@@ -202,6 +202,7 @@ def stays(case: Case, knob: Any, one: Any) -> int:
     return 1
 
 
+@pytest.mark.long
 def test_proven_orbits_of_random_scenes() -> None:
     seeds = range(1000, 1060)
     found = np.array([check_orbits(random_case(seed)) for seed in seeds]).sum(axis=0)

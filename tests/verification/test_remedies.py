@@ -70,6 +70,7 @@ def test_a_controller_that_changes_nothing_gives_the_plain_walls_orbits(name: st
             assert one[column] == pytest.approx(other[column], rel=1e-9, abs=1e-12 * scale)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", CONTROLLERS)
 def test_work_of_the_wall_is_the_loss_in_damping(name: str) -> None:
     """On a periodic motion; a push that is constant does no work, and neither does the hand's spring."""

@@ -43,6 +43,7 @@ def end_of(one: GeneralKnob, phase: float) -> list[float]:
     return z
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     "actuator",
     [
