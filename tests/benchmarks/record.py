@@ -18,7 +18,7 @@ import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
-SCRIPTS = ("throughput", "cells", "friction", "rivals", "startup", "sysid")
+SCRIPTS = ("throughput", "every_start", "cells", "friction", "rivals", "startup", "sysid")
 PLACE = "HKNOB_BENCH_RECORD"  # the file that `put` writes to, if there is one
 NOTABLE = 1.25
 RECORD = Path(__file__).with_suffix(".md")
@@ -26,6 +26,8 @@ RECORD = Path(__file__).with_suffix(".md")
 RATIOS = {
     "C / kernel": "time of a scalar C loop over the kernel's, 64 trials side by side",
     "C / search": "time of the C loop over the search's, starts to peak-to-peak, 64 phases, proofs included",
+    "C / sets": "time of the C loop for as many samples of one state over that of sets of starts, proofs included",
+    "64 / all": "time of cells by 64 sampled phases over that by every phase, proven complete",
     "kernel / sweep": "the kernel's share of a sweep of many cheap cells",
     "friction": "time of the 7 x 7 grid with 0.56 mN m of friction over that without",
     "NumPy": "time of a trial by NumPy's matrices, 64 side by side, over the engine's",
