@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from hknob_cli.stage_table import STAGES
 from tests.conftest import HKNOB, ROOT
 
 PACKAGE = ROOT / "hknob_cli"
@@ -123,6 +124,14 @@ def test_a_small_sweep_loads_only_what_it_needs(tmp_path: Path) -> None:
         not {"numba", "scipy", "pandas", "matplotlib", "pint", "rich", "pyarrow.dataset", "concurrent.futures.thread"}
         & modules
     )
+
+
+@pytest.mark.parametrize("command", [name for name in STAGES if name != "report"])  # it reads the claims, a spec too
+def test_work_loads_no_validation(command: str) -> None:
+    """A spec is read in a process of its own, while this one loads what the work takes: the halves share little."""
+    code = f"import sys, {STAGES[command].work.partition(':')[0]}\nprint('pydantic' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "False\n"
 
 
 def test_start_up_is_not_slow() -> None:

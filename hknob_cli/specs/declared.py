@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 T = TypeVar("T")
+Place = tuple[str | int, ...]  # of a value in a spec
 
 
 def declared(schema: Any = None, *, unread: tuple[str, ...] = ()) -> Callable[[type[T]], type[T]]:

@@ -2,9 +2,9 @@
 
 from typing import Any, NamedTuple
 
+from hknob_cli.specs.declared import Place
 from hknob_cli.specs.electrical import reduced
 from hknob_cli.specs.motor import Coil, EddyBrake, Motor
-from hknob_cli.specs.part import Place
 from hknob_cli.specs.parts import Actuator, Knob, Scene, Wall
 
 

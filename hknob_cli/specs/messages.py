@@ -2,11 +2,12 @@
 
 import difflib
 from collections.abc import Sequence
-from typing import Any
-
-from pydantic import BaseModel
+from typing import TYPE_CHECKING, Any
 
 from hknob_cli.errors import printable
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
 
 _BOUNDS = {
     "greater_than": (">", "gt"),
@@ -112,11 +113,11 @@ def message(error: Any, allowed: list[str] | tuple[str, ...]) -> str:
         return f"must have {side} {bound} item{'s' if bound != 1 else ''}, got {shown(value)}"
     if kind.startswith("string_"):
         return f"{error['msg'].replace('String should', 'must')}, got {shown(value)}"
-    if isinstance(value, dict | BaseModel):
+    if isinstance(value, dict) or hasattr(type(value), "model_fields"):
         return str(error["msg"])
     return f"{error['msg']}, got {shown(value)}"
 
 
-def keys_of(model: type[BaseModel] | None) -> list[str]:
+def keys_of(model: "type[BaseModel] | None") -> list[str]:
     """Keys a part of a spec may have."""
     return [info.alias or name for name, info in model.model_fields.items()] if model else []

@@ -6,9 +6,8 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, create_model
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+from hknob_cli.specs.declared import Place as Place
 from hknob_cli.specs.declared import is_declared
-
-Place = tuple[str | int, ...]
 
 
 class Part(BaseModel):

@@ -4,8 +4,8 @@ from typing import Any
 
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.specs.campaign import REPLAY, SERIAL, VIRTUAL, Nuisance, device_faults
+from hknob_cli.specs.declared import Place
 from hknob_cli.specs.over_angle import OVER_ANGLE
-from hknob_cli.specs.part import Place
 from hknob_cli.specs.pulses import PULSES, PulsePlan, Pulses, Sensors
 from hknob_cli.specs.source import Source
 
