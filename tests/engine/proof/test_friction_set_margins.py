@@ -17,6 +17,7 @@ from hknob_cli.engine.general.sets.friction_piece import (
     COUNT,
     CUTS,
     LEAST_PART,
+    LEAST_WEIGHT,
     PART,
     SET,
     TINY,
@@ -80,6 +81,16 @@ def test_a_part_has_its_share_of_the_area_where_nothing_rubs() -> None:
     assert part_weight(0.5, 2.0, SQUARE, 4, body_of()) == 0.5
     assert part_weight(0.5, 4e28, SQUARE, 4, body_of()) == pytest.approx(0.25e-28, rel=1e-15, abs=0.0)
     assert part_weight(0.5, 4e290, SQUARE, 4, body_of()) == 0.5 * LEAST_PART
+
+
+def test_a_part_of_a_part_of_a_part_has_a_weight_still() -> None:
+    """Eleven cuts to the least share would round to no weight, and an end without proof would not be counted."""
+    weight = 1.0
+    for _ in range(40):
+        weight = part_weight(weight, 1e300, SQUARE, 4, body_of())
+        assert weight > 0.0
+    assert weight == LEAST_WEIGHT
+    assert part_weight(10.0 * LEAST_WEIGHT, 4.0, SQUARE, 4, body_of()) == 5.0 * LEAST_WEIGHT
 
 
 def test_a_part_without_an_area_counts_as_something() -> None:

@@ -26,6 +26,7 @@ TORQUE, SPAN, S, G, F, LOOK = range(6)
 LEG = 6
 TINY = 1e-290  # a velocity that is not 0; beside one of the centre's size a unit in its last place
 LEAST_PART = 1e-30  # of an area: an end that any state reaches has a share
+LEAST_WEIGHT = 1e-300  # of the part of a part: products of such shares would round to none
 
 
 def stands(v, corners, count):
@@ -43,7 +44,7 @@ def part_weight(weight, whole, corners, count, body):
     """
     if body.friction > 0.0 or not whole > 0.0:
         return weight
-    return weight * min(max(area_of(corners, count) / whole, LEAST_PART), 1.0)
+    return max(weight * min(max(area_of(corners, count) / whole, LEAST_PART), 1.0), LEAST_WEIGHT)
 
 
 def begin_set(work, at, part, cuts, x, v, weight, corners, count):
