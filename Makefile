@@ -67,10 +67,10 @@ test: $(VENV)/.dev ## lint, types, prose, and the tests except the long ones; en
 	@$(BIN)/mypy
 	@$(BIN)/codespell $(TEXTS)
 	@$(BIN)/python -m tests.docs.prose $(PAGES)
-	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder -rs -m 'not long'
+	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder --compiled -rs -m 'not long'
 
 long: $(VENV)/.dev ## the tests that take minutes: dissertation, clusters, kills, odd inputs; ALL=1: every case
-	@$(BIN)/python -m pytest -n $(WORKERS) -rs -m long $(if $(ALL),,--draw $(DRAW))
+	@$(BIN)/python -m pytest -n $(WORKERS) --compiled -rs -m long $(if $(ALL),,--draw $(DRAW))
 
 matrix: $(VENV)/.dev ## the wheel in a foreign folder: other Pythons, lowest and newest dependencies; licences
 	@$(BIN)/python -m tests.matrix.run $(if $(ENDS),--ends)

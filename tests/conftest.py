@@ -56,14 +56,23 @@ starts: {angle: 0.02, phases: 8}
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """An option that `make long` gives."""
+    """Options that `make test` and `make long` give."""
     parser.addoption("--draw", metavar="WORD", help="of like long tests, only some, drawn by this: see tests/drawn.py")
+    parser.addoption("--compiled", action="store_true", help="begin with compiling, each worker a share")
 
 
 def pytest_configure(config: pytest.Config) -> None:
     """Draw, where that is asked for."""
     if by := config.getoption("--draw", default=None):
         config.pluginmanager.register(Draw(by), "drawn")
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Compile, where that is asked for."""
+    if session.config.getoption("--compiled", default=False):
+        from tests.compiled_first import compile_share
+
+        compile_share(EXPERIMENTS / "hand_on_knob.yaml")
 
 
 @pytest.fixture

@@ -1,0 +1,36 @@
+"""Compiled code before the tests, where there is none yet: each worker of a run makes a share of it, and none twice.
+
+Without this two workers begin by compiling the same, and commands that find nothing compiled are interpreted.
+"""
+
+import os
+from pathlib import Path
+
+from hknob_cli.engine.jit import is_kept
+from hknob_cli.specs.load import load
+from hknob_cli.stages.sweep.run import SweepStage
+
+CELL = ("grid.sample_rate_hz=1000", "grid.counts_per_rev=512")
+TRIALS, PHASES = "starts={angle: 0.02, phases: 8}", "starts={angle: 0.02}"
+BOX = "starts={angle: [-50 mrad, 50 mrad], velocity: [-5, 5]}"
+FRICTION, LIMIT = "scene.knob.coulomb_torque=0.56 mN*m", "scene.actuator.torque_limit=0.05"
+CONTROLLER = "scene.controller={kind: bounded_lag, keep: 0.15, time_constant: 0.2}"
+# Of two workers: sweeps of one cell, each of which takes other groups of `engine.jit`. They take about as long.
+SHARES = (
+    ((TRIALS, FRICTION), (TRIALS, CONTROLLER), (BOX, LIMIT), (PHASES, LIMIT)),
+    ((TRIALS,), (PHASES,), (BOX,), (PHASES, FRICTION), (BOX, FRICTION)),
+)
+
+
+def compile_share(spec: Path) -> None:
+    """Run what this worker's share has of ``spec``, a sweep, where its groups are not compiled; once on a machine."""
+    number = os.environ.get("PYTEST_XDIST_WORKER", "").removeprefix("gw")
+    share = SHARES[int(number)] if number.isdecimal() and int(number) < len(SHARES) else ()
+    stages = [SweepStage(load(spec, (*CELL, *one), kind="sweep"), jobs=1) for one in share]  # type: ignore[arg-type]
+    # All are looked at first: a group is kept as soon as one of its functions is.
+    for stage in [one for one in stages if not all(map(is_kept, one.expected))]:
+        for group in stage.expected:
+            stage.engines.compile(group)
+        stage.run()
+        if stage.plain:  # many cells at once are found by other entries
+            stage.find_plain(0, 1)
