@@ -247,7 +247,6 @@ EXCEPTIONS = {
         (part, "speed_sensor", "laws"): (EXACT, "how far motions part between samples is not bounded")
         for part in ("hysteresis", "backlash")
     },
-    ("bare", "dead_band", "general"): (REFUSED, "where the torque jumps is watched at count edges alone"),
     **{("bare", name, "general"): (REFUSED, "its torque is a table with a row for each count") for name in OVER_ANGLE},
 }
 # What a sweep is asked for and does not go together: which, beside which starts or request, when, and why.

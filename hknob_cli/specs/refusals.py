@@ -125,10 +125,6 @@ def contradictions(scene: SceneSpec, axes: Axes) -> Faults:
     found: Faults = []
     if scene.bias and scene.bias.half_quantum and scene.encoder == "none":
         found.append((("scene", "bias", "half_quantum"), "must be absent where encoder is none: it has no count"))
-    if scene.encoder == "none" and (places := given(scene, axes, "actuator.dead_band")):
-        found.append(
-            (places[0], "must be absent where encoder is none: " + EXCEPTIONS["bare", "dead_band", "general"][1])
-        )
     for part in ("hysteresis", "backlash"):
         if scene.controller or not given(scene, axes, PARTS[part].path):
             continue

@@ -193,6 +193,28 @@ def test_a_controller_goes_with_what_the_table_says(part: str, starts: str) -> N
     assert not cell.get("complete", False)
 
 
+def bare_with(change: dict[str, Any], starts: str = "phases") -> SweepPlan:
+    """A sweep of the base with a continuous sensor and another change."""
+    source = Source("spec.yaml")
+    source.value = {**merged(deepcopy(BASE), merged(change, CHANGES["bare"])), "starts": KINDS[starts]}
+    plan = validate(source)
+    assert isinstance(plan, SweepPlan)
+    return plan
+
+
+@pytest.mark.parametrize(("part", "torque"), [("dead_band", 3e-3), ("torque_step", 1e-4)])
+def test_a_continuous_sensor_goes_with_torques_that_jump(part: str, torque: float) -> None:
+    """The knob buzzes about a jump deep in the wall, far from its edge. About some dead bands no motion repeats."""
+    plan = bare_with({"scene": {"actuator": {part: torque}}})
+    parts = parts_of(scene_at(plan.scene, next(iter(cells_of(plan)))))
+    assert {"bare", part} <= parts
+    assert (engine_of(plan.scene, STARTS["phases"]), verdict_of(parts, "general")[0]) == ("general", PROVEN)
+    tables = SweepStage(plan, jobs=1).run()
+    assert tables.cells.to_pylist()[0]["certified_fraction"] == 1.0
+    assert tables.orbits.num_rows
+    assert all(row["max_rad"] < 0.0 for row in tables.orbits.to_pylist())
+
+
 @pytest.mark.long
 @pytest.mark.drawn(3)
 @pytest.mark.parametrize("starts", ["one", "ranges"])

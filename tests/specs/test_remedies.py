@@ -112,15 +112,6 @@ def test_fault_of_a_controller(name: str) -> None:
     assert len(found.splitlines()) == 1
 
 
-@pytest.mark.parametrize("axis", ["", "  actuator.dead_band: [0, 1.0e-3]\n"])
-def test_a_dead_band_needs_counts(axis: str) -> None:
-    actuator = "{}" if axis else "{dead_band: 1 mN*m}"
-    text = SPEC.replace("  counts_per_rev: [1024]\n", "").replace("grid:\n", "grid:\n" + axis, 1)
-    found = faults_of(text.replace("grid:", f"  encoder: none\n  actuator: {actuator}\ngrid:", 1))
-    place = 'grid["actuator.dead_band"]' if axis else "scene.actuator.dead_band"
-    assert f"{place}: must be absent where encoder is none: where the torque jumps is watched" in found
-
-
 @pytest.mark.parametrize(
     ("old", "new", "place"),
     [

@@ -16,7 +16,7 @@ from hknob_cli.engine.follow import (
     same_line,
 )
 from hknob_cli.engine.general.body import distance
-from hknob_cli.engine.general.controller import command, inside, read, read_after
+from hknob_cli.engine.general.controller import command, depth_level, inside, read, read_after
 from hknob_cli.engine.general.inner_region import stands
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS, certify
@@ -189,7 +189,7 @@ def follow_trial(
         else:
             run, next_test = 0, FIRST_REST_TEST
             resting_on_edge, settling = False, False
-        if inside(shown, wall) < inside(last, wall) and (wall.analog == 0.0 or not last < 0.0):
+        if depth_level(shown, wall) < depth_level(last, wall):
             if have:
                 for j in range(n):
                     space.away[j] = z[j] - check[j]
