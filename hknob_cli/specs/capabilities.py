@@ -125,6 +125,7 @@ PARTS = {
     "several_readings": Part("a controller that reads within an interval"),
     "pulses": Part("a controller whose torque changes within an interval"),
     "knob_model": Part("a controller with a model of knob and hand"),
+    "by_counts": Part("a controller that is defined by counts"),
     "profile": Part("a profile of torque over the angle", "profile"),
     "detents": Part("a pattern of detents", "detents"),
     "end_stops": Part("a pair of end stops", "end_stops"),
@@ -171,7 +172,7 @@ _TABLE = {
     "offset":          "PEPPP PPPPPP PEE~ ~P~E~",
     "hysteresis":      "--P-P ------ -EE~ ~----",
     "backlash":        "--P-P ------ -EE~ ~----",
-    "bare":            "--PP- ------ -EE~ ---E-",
+    "bare":            "--PPE ------ -EE~ ---E-",
     "unsampled":       "---P- ------ -E-- ---E-",
     "controller":      "----P ----P- -EE~ ----~",
     "speed_sensor":    "----P ------ -EE~ ----~",
@@ -180,6 +181,7 @@ _TABLE = {
     "several_readings": "----P ----P- -EE~ ----~",
     "pulses":          "----P ----P- -EE~ ----~",
     "knob_model":      "----P ----P- -EE~ ----~",
+    "by_counts":       "----P ----P- -EE~ ----~",
     "profile":         "--P-P ---PPP -EE~ ----~",
     "detents":         "--P-P ---PPP -EE~ ----~",
     "end_stops":       "--P-P ---PPP -EE~ ----~",
@@ -204,7 +206,8 @@ _EXPLORED = frozenset(
     (
         *("bias", "hand", "grip", "people", "knob_damping", "friction", "hand_damping", "hand_stiffness"),
         *("virtual_damping", "delay", "torque_limit", "torque_step", "dead_band", "rounding", "offset"),
-        *("controller", "knob_model", "motor", "supply", "eddy_brake", "undamped", "unheld", "unpushed", "handless"),
+        *("controller", "knob_model", "by_counts", "motor", "supply", "eddy_brake"),
+        *("undamped", "unheld", "unpushed", "handless"),
     )
 )
 
@@ -247,7 +250,12 @@ EXCEPTIONS = {
         (part, "speed_sensor", "laws"): (EXACT, "how far motions part between samples is not bounded")
         for part in ("hysteresis", "backlash")
     },
-    **{("bare", name, "general"): (REFUSED, "its torque is a table with a row for each count") for name in OVER_ANGLE},
+    **{
+        ("bare", name, column): (REFUSED, "its torque is a table with a row for each count")
+        for column in ("general", "laws")
+        for name in OVER_ANGLE
+    },
+    ("bare", "by_counts", "laws"): (REFUSED, "there is no count to be worth so much, to change, or to be rounded to"),
 }
 # What a sweep is asked for and does not go together: which, beside which starts or request, when, and why.
 APART = (

@@ -67,4 +67,5 @@ def _of_controller(controller: Controller) -> dict[str, bool]:
         "several_readings": controller.detections > 1,
         "pulses": controller.steps > 1 or (controller.kind == "impulse_damping" and controller.pulse < 1.0),
         "knob_model": controller.kind in MODELLED,
+        "by_counts": bool(controller.counted[0]),
     }

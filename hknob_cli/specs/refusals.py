@@ -143,6 +143,10 @@ def contradictions(scene: SceneSpec, axes: Axes) -> Faults:
     if scene.controller:
         found += controller_faults(scene.controller, scene.given, axes)
         found += refusals(scene, axes, ["laws"])
+        key, why = scene.controller.counted
+        if scene.encoder == "none" and key:
+            value = getattr(scene.controller, key)
+            found.append((("scene", "controller", key), f"must not be {value} where encoder is none: {why}"))
         found += _without_wall(scene, scene.controller, axes)
     elif scene.sampling == "continuous":
         found += refusals(scene, axes, ["unsampled"])

@@ -116,7 +116,6 @@ def test_fault_of_a_controller(name: str) -> None:
     ("old", "new", "place"),
     [
         ("{stiffness: 0.27}", "{stiffness: 0}", "6:21: scene.wall.stiffness: must be > 0"),
-        ("grid:", "  encoder: none\ngrid:", "scene.encoder"),
         ("[1024]", "[1024]\n  controller.keep: [0.1]", 'grid["controller.keep"]'),
         ("starts:", "growth: {duration: 1}\nstarts:", "growth"),
     ],

@@ -232,7 +232,8 @@ def _with_law(plan: SweepPlan, cell: Cell, trial: int, angle_rad: float) -> Iter
     from hknob_cli.stages.sweep.law_record import follow_law
 
     assert plan.record
-    made = make_law(scene_at(plan.scene, cell), sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
+    counts = int(cell[COUNTS]) if COUNTS in cell else None
+    made = make_law(scene_at(plan.scene, cell), sample_rate_hz=cell[RATE], counts_per_rev=counts)
     knob = made.knob
     start, phase = knob.start(angle_rad, plan.starts.velocity), (trial + 0.5) / plan.starts.phases
     every, pulse = plan.record.interval / knob.period_s, _pulse_on(knob, plan.record)
