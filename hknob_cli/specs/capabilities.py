@@ -11,6 +11,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from hknob_cli.specs.capability_reasons import AT as AT
+from hknob_cli.specs.capability_reasons import BESIDE_JITTER
 from hknob_cli.specs.capability_reasons import WHY as WHY
 from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.parts_there import parts_of as parts_of
@@ -117,6 +118,7 @@ PARTS = {
     "hysteresis": Part("hysteresis of the encoder", "encoder.hysteresis_counts"),
     "backlash": Part("slack between knob and encoder", "encoder.backlash"),
     "bare": Part("a continuous sensor", "encoder", "must not be none", "where encoder is none"),
+    "jitter": Part("a sample clock that jitters", "clock.jitter", when="where the sample clock jitters"),
     "unsampled": Part("no sample clock", "sampling", "must not be continuous", "where sampling is continuous"),
     "controller": Part("a controller", "controller", when="where a controller is given"),
     "speed_sensor": Part("a controller that reads a velocity sensor", "controller.velocity"),
@@ -173,6 +175,7 @@ _TABLE = {
     "hysteresis":      "--P-P ------ -EE~ ~----",
     "backlash":        "--P-P ------ -EE~ ~----",
     "bare":            "--PPE ------ -EE~ ---E-",
+    "jitter":          "--E-- ------ -EE- -----",
     "unsampled":       "---P- ------ -E-- ---E-",
     "controller":      "----P ----P- -EE~ ----~",
     "speed_sensor":    "----P ------ -EE~ ----~",
@@ -244,6 +247,7 @@ EXCEPTIONS = {
             ("bare", "what is proven of teeth on one flank rests on counts"),
         )
     },
+    **{("jitter", part, "general"): (REFUSED, why) for part, why in BESIDE_JITTER.items()},
     ("friction", "bare", "general"): (EXACT, "the period map is not shown to contract"),
     ("friction", "speed_sensor", "laws"): (EXACT, "the torque follows the motion, which is not affine"),
     **{

@@ -38,6 +38,7 @@ def parts_of(scene: Scene) -> frozenset[str]:
         "hysteresis": encoder.hysteresis_counts != 0.0,
         "backlash": encoder.backlash != 0.0,
         "bare": scene.encoder is None,
+        "jitter": scene.clock is not None and scene.clock.jitter != 0.0,
         "unsampled": not scene.sampled,
         **(_of_controller(scene.controller) if scene.controller else {}),
         **over_angle,

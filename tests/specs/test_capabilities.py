@@ -82,6 +82,7 @@ CHANGES: dict[str, dict[str, Any]] = {
     "hysteresis": {"scene": {"encoder": {"hysteresis_counts": 0.5}}},
     "backlash": {"scene": {"encoder": {"backlash": 0.004}}},
     "bare": {"scene": {"encoder": "none"}, "grid": {"counts_per_rev": None}},
+    "jitter": {"scene": {"clock": {"jitter": 0.05}}},
     "unsampled": {"scene": {"sampling": "continuous"}, "grid": {"sample_rate_hz": None}},
     "controller": {"scene": {"controller": {"kind": "bounded_lag"}}},
     "speed_sensor": {"scene": {"controller": {"kind": "half_sample", "velocity": "sensor"}}},

@@ -185,6 +185,10 @@ TRIALS = {
     "no clock": (
         "{scene: {controller: {kind: bounded_lag}}}", "{scene: {sampling: continuous}}", "must leave a sample",
     ),
+    "a clock that jitters": (
+        "{scene: {controller: {kind: bounded_lag}}}", "{scene: {clock: {jitter: 0.1}}}",
+        "must leave a sample clock without jitter: what is compared are cycles",
+    ),
     "pushes in the wrong order": (
         "remedies:", "press: {torques: [0.02, 0.01]}\nremedies:", "press.torques: must be two",
     ),

@@ -77,6 +77,7 @@ NOT_DRAWN = {
     **dict.fromkeys(("gear", "mesh", "play"), "the model of two shafts is in test_gear"),
     **dict.fromkeys(("grip", "people", "squeeze"), "they become the numbers of a hand"),
     "unsampled": "the model has a sample clock",
+    "jitter": "no motion repeats; its trials are in test_jitter",
     "undamped": "no cycle of it is proven",
     **dict.fromkeys(("hand", "hand_damping", "hand_stiffness", "bias"), "every scene has them unless it draws others"),
     **dict.fromkeys(

@@ -26,6 +26,7 @@ class Controller(NamedTuple):
     table: Any = None  # torque over the angle, wall included, as `torque_table` has it: list or array
     band: float = 0.0  # a smaller torque is not sent
     hysteresis: float = 0.0  # counts by which the knob turns back until the count does
+    clock: Any = None  # of jittering samples, as `jitter` has it: list or array
 
 
 def read(x, wall):

@@ -19,6 +19,7 @@ from hknob_cli.engine.general.body import distance
 from hknob_cli.engine.general.controller import command, depth_level, inside, read, read_after
 from hknob_cli.engine.general.inner_region import stands
 from hknob_cli.engine.general.interval import advance
+from hknob_cli.engine.general.jitter import jitters
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS, certify
 from hknob_cli.engine.general.slide_two import step_with_friction
 from hknob_cli.engine.general.standstill import SETTLING, settles
@@ -189,7 +190,7 @@ def follow_trial(
         else:
             run, next_test = 0, FIRST_REST_TEST
             resting_on_edge, settling = False, False
-        if depth_level(shown, wall) < depth_level(last, wall):
+        if depth_level(shown, wall) < depth_level(last, wall) and not jitters(wall.clock):
             if have:
                 for j in range(n):
                     space.away[j] = z[j] - check[j]
@@ -257,7 +258,8 @@ def follow_trial(
         if since < len(space.trail):
             space.trail[since] = shown
         since += 1
-        if body.order == 2 and delay == 0 and body.friction > 0.0 and wall.hysteresis == 0.0:
+        plain = body.order == 2 and delay == 0 and body.friction > 0.0 and wall.hysteresis == 0.0
+        if plain and not jitters(wall.clock):
             u = command(shown, before, wall)
             z[0], z[1] = step_with_friction(x, z[1], u, 1.0, body.s2, body.g2, body.f2, body)
             before = shown
