@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 from hknob_cli.engine.general.advance import next_mode, slide
 from hknob_cli.engine.general.body import acceleration
 from hknob_cli.engine.general.controller import command, read_after
-from hknob_cli.engine.general.interval import advance
+from hknob_cli.engine.general.interval import advance, advance_jittering
 from hknob_cli.engine.general.jitter import begin_clock, jitters, next_span
 from hknob_cli.engine.general.slide_two import way
 from hknob_cli.engine.general.teeth import play_chart
@@ -25,7 +25,10 @@ def run(z, before, ring, head, samples, body, wall, pad, states, torques):
             acting = ring[head] if wall.split > 0.0 else ring[(head + 1) % delay]
         torques[i] = z[n - 1] if body.lag > 0.0 else acting
         if i < samples:
-            before, head = advance(z, before, ring, head, body, wall, pad)
+            if jitters(wall.clock):
+                before, head = advance_jittering(z, before, ring, head, body, wall, pad)
+            else:
+                before, head = advance(z, before, ring, head, body, wall, pad)
     return before, head
 
 
