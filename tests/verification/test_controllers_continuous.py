@@ -49,6 +49,6 @@ def test_trials_and_what_they_come_to(controller: str) -> None:
 
 @pytest.mark.long
 def test_both_rest_and_cycles_are_compared() -> None:
-    found = [follow(controller, name) for controller in CONTROLLERS for name in ("alone", "stiff, delay")]
+    found = [follow(controller, name) for controller in CONTROLLERS for name in ("alone", "steps, limit")]
     said = [one.outcome for one in found if one.settled]
     assert min(said.count("rest, not proven"), said.count("cycle, not proven")) >= 5
