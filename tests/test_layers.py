@@ -80,6 +80,7 @@ SMALL = {
     "at_once.py": "the command loads it before all else",
     "apparatus/streams.py": "random streams of two rooms, apparatus and hardware, that loads neither",
     "cli/verify.py": "a command",
+    "engine/general/jitter.py": "a group of compiled functions",
     "engine/orbit/holds.py": "a group of compiled functions",
     "engine/trace.py": "a group of compiled functions",
     "engine/turning.py": "a group of compiled functions",

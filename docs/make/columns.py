@@ -25,6 +25,7 @@ _FILES: dict[str, tuple[tuple[str, str, str], ...]] = {
         ("`population`", _SWEEP, "PEOPLE"),
         ("`growth`", _SWEEP, "GROWTH"),
         ("backlash of a gear", _SWEEP, "RATTLE"),
+        ("a sample clock that jitters", _SWEEP, "JITTER_MAX"),
         ("`perceive`", _SWEEP, "TOUCH_DB TOUCH_HZ STEP_DB HEARING_HZ HEARING_DB PHON RELATIVE_DB FELT HEARD"),
     ),
     "`sweep`: orbits.parquet, a row for each attractor of a cell": (
@@ -32,6 +33,7 @@ _FILES: dict[str, tuple[tuple[str, str, str], ...]] = {
         ("friction", _SWEEP, "FRICTION"),
         ("a gear with compliance", _SWEEP, "BEHIND"),
         ("backlash of a gear", _SWEEP, "PLAY"),
+        ("a sample clock that jitters", _SWEEP, "JITTER"),
         ("no sample clock", _SWEEP, "CONTACT"),
         ("`perceive`", _SWEEP, "TOUCH_DB TOUCH_HZ STEP_DB HEARING_HZ HEARING_DB PHON RELATIVE_DB"),
     ),

@@ -44,6 +44,7 @@ class Scene(Mapping[str, Any]):
         eddy_brake: Part | None = None,
         gear: Part | None = None,
         squeeze: Part | None = None,
+        clock: Part | None = None,
     ) -> None:
         """Parts as a spec has them (``docs/reference/scene.md``); None: not listed.
 

@@ -1,12 +1,14 @@
 """A controller of a spec as the compiled general loop runs it: its function by name, and the numbers of one cell."""
 
 from itertools import pairwise
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
 
 from hknob_cli.controllers.controller import ControlLaw, Plant, make_control_law
 from hknob_cli.engine.general.body import ADDED
+from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.follow import CYCLE_EXPANDS
 from hknob_cli.engine.general.laws.law import BLOCK, CYCLE_NOT_AFFINE, PIECE, Law
 from hknob_cli.engine.propagator import hold_coefficients
@@ -28,7 +30,7 @@ class LawKnob(NamedTuple):
     rate: float
 
 
-def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> LawKnob:
+def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int | None) -> LawKnob:
     """Reduce a scene with a controller to one cell. Raises `ComputationError` as `general_knob.sample_general`."""
     assert scene.controller
     knob = sample_general(scene, sample_rate_hz=sample_rate_hz, counts_per_rev=counts_per_rev, walled=False)
@@ -43,7 +45,8 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
     line = rows + 1 + looks + (1 if knob.wall.hysteresis > 0.0 else 0)
     pieces = _pieces(control, split, ages - 1 - whole, rows + 1, line, knob)
     body = add_spans(knob.body, [piece[0] for piece in pieces])
-    outside = control.reads_outside or knob.wall.damping > 0.0 or knob.wall.table is not None
+    analog = knob.wall.analog > 0.0
+    outside = (control.reads_outside or knob.wall.damping > 0.0 or knob.wall.table is not None) and not analog
     stepped = (knob.wall.step > 0.0 or knob.wall.band > 0.0) and fading.weight > 0.0
     known = body.order + ages - 1 if control.senses_speed else 0  # numbers that a period's map is of
     law = Law(
@@ -68,10 +71,11 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
         drifts=control.drifts,
         senses=control.senses_speed,
         provable=fading.fade < 1.0
+        and not analog
         and not (control.senses_speed and (body.friction > 0.0 or knob.wall.hysteresis > 0.0)),
         cuts=control.cuts,
-        unproven=CYCLE_EXPANDS if control.senses_speed else CYCLE_NOT_AFFINE,
-        watch=knob.wall._replace(damping=1.0 if outside else 0.0),
+        unproven=CYCLE_EXPANDS if control.senses_speed or analog else CYCLE_NOT_AFFINE,
+        watch=_watched(knob.wall, outside=outside),
         out=[0.0] * (2 * parts),
         room=[0.0],
         beside=[0.0] * (line + ages * parts),
@@ -84,6 +88,13 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
     settling = control.settling(plant)
     rate = min(knob.rate, 1.0 / settling) if settling > 0.0 else knob.rate
     return LawKnob(knob._replace(body=body), law, rate)
+
+
+def _watched(wall: Controller, *, outside: bool) -> Controller:
+    """The wall whose edges change a command, as `Law.watch` has it; of a continuous sensor the wall's edge alone."""
+    if wall.analog > 0.0:
+        return wall._replace(kappa=0.0, damping=0.0, step=0.0, limit=inf, band=0.0)
+    return wall._replace(damping=1.0 if outside else 0.0)
 
 
 def _plant(knob: GeneralKnob, stiffness: float) -> Plant:

@@ -30,6 +30,7 @@ CELLS = (*MOTION, "budget", *ORBIT, "cells")
 GENERAL = (
     *MOTION,
     "general.torque_table",
+    "general.jitter",
     "general.controller",
     "general.body",
     "general.slide_two",

@@ -19,7 +19,7 @@ from hknob_cli.engine.general.search import GeneralEngine, PeriodSegments
 from hknob_cli.engine.general.teeth import APART
 from hknob_cli.engine.orbit.forms import RULE
 from hknob_cli.engine.orbit.leak import find_leak
-from hknob_cli.engine.outcome import Outcome
+from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.measure.behind import extremes, knob_row, mesh_row
 from hknob_cli.measure.forms import (
     WALL,
@@ -165,7 +165,7 @@ class GeneralMeasurer:
             least, most = attractor.span or (attractor.x, attractor.x)
             return at_rest(self.knob.angle_rad(least), self.knob.angle_rad(most))
         if attractor.outcome is not Outcome.CYCLE:
-            return self._rattle(attractor)
+            return self._jitter(attractor) if attractor.reason is Reason.JITTERS else self._rattle(attractor)
         chart = self.engine.chart(self.knob.body, self.knob.wall, attractor)
         return OrbitMeasures() if chart is None else self._cycle(attractor, chart)
 
@@ -225,6 +225,21 @@ class GeneralMeasurer:
         least, most = extremes(body, chart, knob_row)
         rate = self.engine.parting_rate(body, knob.wall, attractor, RATTLE)
         return OrbitMeasures(rattle_p2p_rad=(most - least) * knob.quantum_rad, parting_per_s=rate / knob.period_s)
+
+    def _jitter(self, attractor: Attractor) -> OrbitMeasures:
+        """Where the sample clock jitters: swing and pitch of one trial after its last sample."""
+        knob = self.knob
+        chart = self.engine.chart(knob.body, knob.wall, attractor._replace(period=RATTLE))
+        if chart is None:
+            return OrbitMeasures()
+        turns, x = find_turns(chart), chart.states[:, 0]
+        if len(turns.maxima) == 0 or len(turns.minima) == 0:
+            return OrbitMeasures(jitter_p2p_rad=0.0, jitter_range_rad=float(np.ptp(x)) * knob.quantum_rad)
+        return OrbitMeasures(
+            jitter_p2p_rad=float(turns.maxima.mean() - turns.minima.mean()) * knob.quantum_rad,
+            jitter_range_rad=float(np.ptp(x)) * knob.quantum_rad,
+            jitter_frequency_hz=len(turns.maxima) / (float(chart.spans.sum()) * knob.period_s),
+        )
 
     def _leak(self, x: Array, commands: Array) -> Leak:
         wall = self.knob.wall

@@ -33,6 +33,9 @@ class OrbitMeasures(NamedTuple):
     mesh_most_nm: float = nan
     rattle_p2p_rad: float = nan
     parting_per_s: float = nan
+    jitter_p2p_rad: float = nan
+    jitter_range_rad: float = nan
+    jitter_frequency_hz: float = nan
 
 
 def at_rest(least_rad: float, most_rad: float) -> OrbitMeasures:

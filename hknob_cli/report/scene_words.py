@@ -137,7 +137,9 @@ class _Words:
         if not self.scene.sampled:
             yield "Clock: none; the torque follows at once."
         elif rates:
-            yield f"Clock: {range_of(rates)} Hz; the torque is held from sample to sample."
+            share = self._value("clock.jitter", "of it")
+            drawn = f", each interval shorter or longer by up to {share}" if share else ""
+            yield f"Clock: {range_of(rates)} Hz{drawn}; the torque is held from sample to sample."
         named = {
             "delay of {}": ("actuator.delay_samples", "samples"),
             "lag of {}": ("actuator.time_constant", "s"),

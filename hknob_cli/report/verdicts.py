@@ -22,7 +22,8 @@ class Buzz(NamedTuple):
     ``most`` and ``least``: rows of the cells with the largest and the smallest of the cells' largest cycles; None where
     none cycles. ``resting``: cells in which every trial comes to rest. ``scope``: from which starts. ``rattles``:
     swings of the knob (rad) in cells where the teeth of a gear part and no trial repeats. ``unproven``: how many cells
-    have a part of their range of starts without a proven end, and the largest such part.
+    have a part of their range of starts without a proven end, and the largest such part. ``jitters``: swings (rad) in
+    cells where the sample clock jitters and some trial has not come to rest.
     """
 
     cells: int
@@ -33,11 +34,13 @@ class Buzz(NamedTuple):
     scope: str
     rattles: tuple[float, ...] = ()
     unproven: tuple[int, float] = (0, 0.0)
+    jitters: tuple[float, ...] = ()
 
     def text(self, axes: Collection[str]) -> str:
         """The answer in a sentence or four; ``axes``: the names that vary."""
         cells, share = self.unproven
         said = self._cycles(axes) + rattle_text(self.rattles, f" in {_of_cells(len(self.rattles), self.cells)}")
+        said += jitter_text(self.jitters, f" in {_of_cells(len(self.jitters), self.cells)}")
         if not cells:
             return said
         most = "" if cells == 1 else "up to "
@@ -74,6 +77,7 @@ def buzz_of(cells: Sequence[Row]) -> Buzz:
         scope_of(cells[0], complete=all(row.get("complete", True) for row in cells)) if cells else "",
         tuple(row["rattle_max_rad"] for row in cells if row.get("rattle_max_rad")),
         unproven_of(cells),
+        tuple(row["jitter_max_rad"] for row in cells if row.get("jitter_max_rad")),
     )
 
 
@@ -106,6 +110,16 @@ def rattle_text(swings: Sequence[float], where: str = "") -> str:
         return ""
     swing = f"the knob swings by {_range([1e3 * one for one in swings], 'mrad')} (one trial each, not proven)"
     return f" The teeth of its gear rattle{where}: no trial repeats, and {swing}."
+
+
+def jitter_text(swings: Sequence[float], where: str = "") -> str:
+    """A sentence, after a space, on trials that a jittering clock keeps from repeating; empty where there are none."""
+    if not swings:
+        return ""
+    swing = f"the knob swings by {_range([1e3 * one for one in swings], 'mrad')} on average"
+    return (
+        f" It buzzes{where} without repeating, because the sample clock jitters: {swing} (one trial each, not proven)."
+    )
 
 
 def grid_verdict(cells: Sequence[Row], axes: Collection[str]) -> str:

@@ -90,6 +90,21 @@ BEHIND = (
 RATTLE = (
     Column("rattle_max_rad", _REAL, "rad", "where trials with backlash do not repeat: largest rattle_p2p_rad of them"),
 )
+JITTER_MAX = (
+    Column(
+        "jitter_max_rad", _REAL, "rad", "where the sample clock jitters: largest jitter_p2p_rad of trials that move"
+    ),
+)
+JITTER = (
+    Column(
+        "jitter_p2p_rad",
+        _REAL,
+        "rad",
+        "where the sample clock jitters: mean local maximum less mean local minimum over 4096 samples of one trial",
+    ),
+    Column("jitter_range_rad", _REAL, "rad", "there: largest less smallest angle"),
+    Column("jitter_frequency_hz", _REAL, "Hz", "there: local maxima over the time of these samples"),
+)
 PLAY = (
     Column(
         "rattle_p2p_rad",

@@ -18,6 +18,7 @@ from hknob_cli.engine.turning import zero_spacing
 from hknob_cli.errors import ComputationError
 from hknob_cli.scene.increments import increment, increments, power_series, slowest_decay
 from hknob_cli.scene.torque_over_angle import Clock, is_shaped, table_of
+from hknob_cli.specs.parts import SampleClock
 from hknob_cli.specs.plan import Actuator, Bias, Encoder, Hand, Scene
 
 Array = NDArray[np.float64]
@@ -29,8 +30,9 @@ UNIT_RAD = 1e-3  # a "count" of a continuous sensor
 class GeneralKnob(NamedTuple):
     """A scene sampled: its body and controller without dimensions, and the scales back to SI.
 
-    ``inertia_kg_m2``: of all that turns with the knob; ``rate``: of the slowest mode that decays, per sample;
-    ``behind``: whether the body that is sensed is a motor, and the finger the knob with its hand behind a gear.
+    ``period_s``: of a clock that jitters the longest interval; ``inertia_kg_m2``: of all that turns with the knob;
+    ``rate``: of the slowest mode that decays, per sample; ``behind``: whether the body that is sensed is a motor, and
+    the finger the knob with its hand behind a gear.
     """
 
     body: Body
@@ -80,7 +82,8 @@ def sample_general(
     actuator = scene.actuator or Actuator()
     encoder = scene.encoder or Encoder()
     hand = scene.hand or Hand()
-    period = 1.0 / sample_rate_hz
+    jitter = scene.clock.jitter if scene.clock else 0.0
+    period = (1.0 + jitter) / sample_rate_hz  # the longest
     quantum = 2.0 * pi / (counts_per_rev * scene.turns) if counts_per_rev else UNIT_RAD
     inertia = scene.knob.inertia + hand.inertia
     square = period * period / inertia
@@ -99,7 +102,7 @@ def sample_general(
         kappa = apart - float(table[RISE_BELOW] / table[TURN])
     wall = Controller(
         kappa=kappa,
-        damping=scene.wall.damping * period / inertia,
+        damping=scene.wall.damping * (1.0 + jitter) * period / inertia,  # firmware divides by the period meant
         sense=-1.0 if encoder.rounding in ("ceil", "truncate") else 1.0,
         truncate=1.0 if encoder.rounding == "truncate" else 0.0,
         offset=offset,
@@ -110,6 +113,7 @@ def sample_general(
         table=table,
         band=actuator.dead_band * square / quantum,
         hysteresis=encoder.width_counts(quantum) if scene.encoder else 0.0,
+        clock=_clock(scene.clock) if scene.clock and jitter > 0.0 else None,
     )
     body, slowest = make_body(scene, period=period, quantum=quantum, shift=shift, split=split)
     commands = [] if table is None else table[HEAD : HEAD + (len(table) - HEAD) // 3].tolist()
@@ -135,6 +139,12 @@ def sample_general(
         rate=slowest,
         behind=scene.behind,
     )
+
+
+def _clock(clock: SampleClock) -> Array:
+    """A clock as `engine.general.jitter` has it, at its beginning."""
+    longest = 1.0 + clock.jitter
+    return np.array([1.0, (1.0 - clock.jitter) / longest, 2.0 * clock.jitter / longest, float(clock.seed), 0.0])
 
 
 def make_body(scene: Scene, *, period: float, quantum: float, shift: float, split: float) -> tuple[Body, float]:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.ensemble import begin
+from hknob_cli.engine.general.jitter import begin_clock, jitters, next_span
 from hknob_cli.engine.general.search import as_arrays, as_list
 from hknob_cli.engine.general.trace import run
 from hknob_cli.engine.jit import compiled as compiled_functions
@@ -81,6 +82,7 @@ def follow_knob(
     through = functions["general.run"] if functions else run
     first(state, np.array(start) if compiled else start, phase, body, pad)
     before, head, done = read(state[0], wall), 0, 0
+    begin_clock(wall.clock, 0.0)
     while True:  # an interval may take seconds
         count = min(max(done, 1), samples - done)
         some, acting = zeros((count + 1) * order), zeros(count + 1)
@@ -91,8 +93,12 @@ def follow_knob(
         if done == samples:
             break
         look()
+    times = np.arange(samples + 1, dtype=np.float64)
+    if jitters(wall.clock):
+        begin_clock(wall.clock, 0.0)
+        times[1:] = np.cumsum([next_span(wall.clock) for _ in range(samples)])
     return Trial(
-        time_s=(phase + np.arange(samples + 1, dtype=np.float64)) * knob.period_s,
+        time_s=(phase + times) * knob.period_s,
         angle_rad=(table[:, 0] + knob.shift) * knob.quantum_rad,
         velocity_rad_s=table[:, 1] * (knob.quantum_rad / knob.period_s),
         torque_nm=torques * knob.torque_nm,

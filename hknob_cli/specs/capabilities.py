@@ -11,6 +11,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from hknob_cli.specs.capability_reasons import AT as AT
+from hknob_cli.specs.capability_reasons import BESIDE_JITTER
 from hknob_cli.specs.capability_reasons import WHY as WHY
 from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.parts_there import parts_of as parts_of
@@ -117,6 +118,7 @@ PARTS = {
     "hysteresis": Part("hysteresis of the encoder", "encoder.hysteresis_counts"),
     "backlash": Part("slack between knob and encoder", "encoder.backlash"),
     "bare": Part("a continuous sensor", "encoder", "must not be none", "where encoder is none"),
+    "jitter": Part("a sample clock that jitters", "clock.jitter", when="where the sample clock jitters"),
     "unsampled": Part("no sample clock", "sampling", "must not be continuous", "where sampling is continuous"),
     "controller": Part("a controller", "controller", when="where a controller is given"),
     "speed_sensor": Part("a controller that reads a velocity sensor", "controller.velocity"),
@@ -125,6 +127,7 @@ PARTS = {
     "several_readings": Part("a controller that reads within an interval"),
     "pulses": Part("a controller whose torque changes within an interval"),
     "knob_model": Part("a controller with a model of knob and hand"),
+    "by_counts": Part("a controller that is defined by counts"),
     "profile": Part("a profile of torque over the angle", "profile"),
     "detents": Part("a pattern of detents", "detents"),
     "end_stops": Part("a pair of end stops", "end_stops"),
@@ -171,7 +174,8 @@ _TABLE = {
     "offset":          "PEPPP PPPPPP PEE~ ~P~E~",
     "hysteresis":      "--P-P ------ -EE~ ~----",
     "backlash":        "--P-P ------ -EE~ ~----",
-    "bare":            "--PP- ------ -EE~ ---E-",
+    "bare":            "--PPE ------ -EE~ ---E-",
+    "jitter":          "--E-- ------ -EE- -----",
     "unsampled":       "---P- ------ -E-- ---E-",
     "controller":      "----P ----P- -EE~ ----~",
     "speed_sensor":    "----P ------ -EE~ ----~",
@@ -180,6 +184,7 @@ _TABLE = {
     "several_readings": "----P ----P- -EE~ ----~",
     "pulses":          "----P ----P- -EE~ ----~",
     "knob_model":      "----P ----P- -EE~ ----~",
+    "by_counts":       "----P ----P- -EE~ ----~",
     "profile":         "--P-P ---PPP -EE~ ----~",
     "detents":         "--P-P ---PPP -EE~ ----~",
     "end_stops":       "--P-P ---PPP -EE~ ----~",
@@ -204,7 +209,8 @@ _EXPLORED = frozenset(
     (
         *("bias", "hand", "grip", "people", "knob_damping", "friction", "hand_damping", "hand_stiffness"),
         *("virtual_damping", "delay", "torque_limit", "torque_step", "dead_band", "rounding", "offset"),
-        *("controller", "knob_model", "motor", "supply", "eddy_brake", "undamped", "unheld", "unpushed", "handless"),
+        *("controller", "knob_model", "by_counts", "motor", "supply", "eddy_brake"),
+        *("undamped", "unheld", "unpushed", "handless"),
     )
 )
 
@@ -241,14 +247,19 @@ EXCEPTIONS = {
             ("bare", "what is proven of teeth on one flank rests on counts"),
         )
     },
+    **{("jitter", part, "general"): (REFUSED, why) for part, why in BESIDE_JITTER.items()},
     ("friction", "bare", "general"): (EXACT, "the period map is not shown to contract"),
     ("friction", "speed_sensor", "laws"): (EXACT, "the torque follows the motion, which is not affine"),
     **{
         (part, "speed_sensor", "laws"): (EXACT, "how far motions part between samples is not bounded")
         for part in ("hysteresis", "backlash")
     },
-    ("bare", "dead_band", "general"): (REFUSED, "where the torque jumps is watched at count edges alone"),
-    **{("bare", name, "general"): (REFUSED, "its torque is a table with a row for each count") for name in OVER_ANGLE},
+    **{
+        ("bare", name, column): (REFUSED, "its torque is a table with a row for each count")
+        for column in ("general", "laws")
+        for name in OVER_ANGLE
+    },
+    ("bare", "by_counts", "laws"): (REFUSED, "there is no count to be worth so much, to change, or to be rounded to"),
 }
 # What a sweep is asked for and does not go together: which, beside which starts or request, when, and why.
 APART = (

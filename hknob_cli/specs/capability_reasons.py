@@ -3,6 +3,8 @@
 from hknob_cli.specs.over_angle import OVER_ANGLE
 
 _OF_ONE_START_OR_RANGES = ("phases", "ranges", "general_sets", "friction_sets")
+_SETS = ("phases", "ranges", "anywhere", "general_sets", "friction_sets", "general_anywhere")
+_A_PERIOD_APART = ("plain", "bounces", "describing", "relay", "formulas", "bench")
 _GENERAL_SETS = ("general_sets", "friction_sets")
 _NOT_IN_A_MAP = {
     "a map tells starts by angle and velocity alone": ("finger", "coil", "mesh", "play"),
@@ -32,7 +34,13 @@ WHY = {
     **{(name, "unsampled"): "its events are those of a wall" for name in OVER_ANGLE},
     ("unsampled", "bounces"): "energy does not grow",
     ("unsampled", "laws"): "it acts at samples",
-    ("bare", "laws"): "what it remembers is followed from count to count",
+    **{("jitter", column): "its samples are a period apart" for column in _A_PERIOD_APART},
+    **{("jitter", column): "the next sample comes at another time in each motion" for column in _SETS},
+    ("jitter", "laws"): "an interval's looks, and changes of its torque, come after known times",
+    ("jitter", "unsampled"): "there is no clock",
+    ("jitter", "basins"): "where a start ends depends on the intervals that are drawn",
+    ("jitter", "perceive"): "no motion repeats",
+    ("jitter", "device"): "a device has the clock that it has",
     ("play", "laws"): "its torques are bounded only while teeth stay on one flank",
     ("bare", "bounces"): "its engine reads counts",
     ("controller", "bounces"): "growth is of the plain wall",
@@ -90,10 +98,18 @@ WHY = {
     **{("undamped", column): "nothing contracts" for column in _OF_ONE_START_OR_RANGES},
     **{("unheld", column): "no energy bounds how far motions part" for column in _OF_ONE_START_OR_RANGES},
 }  # fmt: skip
+# What is refused beside a sample clock that jitters, though the general loop takes it.
+BESIDE_JITTER = {
+    "bare": "what brings the knob to rest in the wall is shown of intervals that are alike",
+    "hysteresis": "turning points of the count are followed in intervals that are alike",
+    "backlash": "turning points of the count are followed in intervals that are alike",
+    "play": "teeth are followed in intervals that are alike",
+}
 # Refusals whose fault stands at what is asked for, not at the part of the scene.
 AT = {
     **{(part, "bounces"): ("growth",) for part in ("unsampled", "bare", "controller", "unpushed", "people")},
     ("unsampled", "pulse"): ("record", "pulse"),
     ("unsampled", "perceive"): ("perceive",),
+    ("jitter", "perceive"): ("perceive",),
     ("handless", "anywhere"): ("starts",),
 }  # fmt: skip

@@ -42,6 +42,15 @@ KINDS = {
     ),
 }
 MODELLED = ("half_sample", "matched_wall")  # kinds whose numbers follow from the knob and the hand
+# Kinds, and velocities, that are defined by counts, and how.
+BY_COUNTS = {
+    "bounded_lag": "it has a say over the torque of one count",
+    "impulse_damping": "its pulse makes good when a count was crossed",
+    "phase_damping": "its torque is a part of that of one count",
+    "timed": "it times changes of the count",
+    "adaptive": "its line is within a count of the readings",
+    "kalman": "its gains follow from the rounding to counts",
+}
 
 
 def _by_kind(schema: dict[str, Any]) -> None:
@@ -110,6 +119,14 @@ class Controller(NamedTuple):
         numbers = {key: getattr(self, key) for key in KINDS[self.kind].keys}
         shown = (f"{value:.6g}" if isinstance(value, float) else str(value).lower() for value in numbers.values())
         return ", ".join([self.kind, *(f"{key} {value}" for key, value in zip(numbers, shown, strict=True))])
+
+    @property
+    def counted(self) -> tuple[str, str]:
+        """The key by which it is defined by counts, and how; empty where it only reads an angle."""
+        for key in ("kind", "velocity"):
+            if why := BY_COUNTS.get(getattr(self, key)):
+                return key, why
+        return ("detections", "readings in an interval find when a count changes") if self.detections > 1 else ("", "")
 
     @property
     def estimates(self) -> bool:

@@ -122,6 +122,7 @@ def _of_base(source: Source, spec: DesignSpec) -> list[Fault]:
     for key, why in (
         ("hand", "hands are listed under people"),
         ("sampling", "the wall is a sampled one"),
+        ("clock", "what is compared are cycles, and with a sample clock that jitters no motion repeats"),
         ("controller", "controllers are remedies"),
     ):
         if key in scene:

@@ -86,6 +86,23 @@ class Actuator(NamedTuple):
     dead_band: Annotated[Torque, "a smaller torque is not sent: 0 in its place; 0: none"] = 0.0
 
 
+MOST_SEED = 2**31 - 2
+
+
+@declared()
+class SampleClock(NamedTuple):
+    """The sample clock: each interval is drawn evenly from the sample period times 1 - jitter to 1 + jitter."""
+
+    jitter: Annotated[
+        float,
+        Bounds(strict=True, ge=0, le=0.9, allow_inf_nan=False),
+        "share of the sample period by which an interval is shorter or longer at most; 0: none",
+    ] = 0.0
+    seed: Annotated[
+        int, Bounds(strict=True, ge=0, le=MOST_SEED), "of the random intervals; the same draws the same"
+    ] = 0
+
+
 @declared()
 class Finger(NamedTuple):
     """The finger: a body of its own, sprung and damped to ground (J1, B1, K1 of Hasser, Fig. 13)."""
@@ -183,3 +200,4 @@ class Scene(NamedTuple):
     turns: float = 1.0
     behind: bool = False
     play: float = 0.0
+    clock: SampleClock | None = None

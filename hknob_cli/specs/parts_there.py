@@ -38,6 +38,7 @@ def parts_of(scene: Scene) -> frozenset[str]:
         "hysteresis": encoder.hysteresis_counts != 0.0,
         "backlash": encoder.backlash != 0.0,
         "bare": scene.encoder is None,
+        "jitter": scene.clock is not None and scene.clock.jitter != 0.0,
         "unsampled": not scene.sampled,
         **(_of_controller(scene.controller) if scene.controller else {}),
         **over_angle,
@@ -67,4 +68,5 @@ def _of_controller(controller: Controller) -> dict[str, bool]:
         "several_readings": controller.detections > 1,
         "pulses": controller.steps > 1 or (controller.kind == "impulse_damping" and controller.pulse < 1.0),
         "knob_model": controller.kind in MODELLED,
+        "by_counts": bool(controller.counted[0]),
     }

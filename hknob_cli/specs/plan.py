@@ -212,6 +212,12 @@ def may_part(plan: SweepPlan) -> bool:
     return gear is not None and (gear.backlash > 0.0 or any(plan.axes.get("gear.backlash", [])))
 
 
+def may_jitter(plan: SweepPlan) -> bool:
+    """Whether a sweep has a sample clock that jitters, in some of its cells at least."""
+    clock = plan.scene.clock
+    return clock is not None and (clock.jitter > 0.0 or any(plan.axes.get("clock.jitter", [])))
+
+
 def placed(scene: Scene, cell: Cell) -> Scene:
     """The scene with a cell's values in place, its motor as it is written."""
     if GRIP in cell and scene.hand:

@@ -125,16 +125,13 @@ def contradictions(scene: SceneSpec, axes: Axes) -> Faults:
     found: Faults = []
     if scene.bias and scene.bias.half_quantum and scene.encoder == "none":
         found.append((("scene", "bias", "half_quantum"), "must be absent where encoder is none: it has no count"))
-    if scene.encoder == "none" and (places := given(scene, axes, "actuator.dead_band")):
-        found.append(
-            (places[0], "must be absent where encoder is none: " + EXCEPTIONS["bare", "dead_band", "general"][1])
-        )
     for part in ("hysteresis", "backlash"):
         if scene.controller or not given(scene, axes, PARTS[part].path):
             continue
         if places := given(scene, axes, "wall.damping"):
             why = EXCEPTIONS[part, "virtual_damping", "general"][1]
             found.append((places[0], f"must be absent beside {PARTS[part].title}: {why}"))
+    found += _of_jitter(scene, axes)
     if scene.hand and scene.hand.finger:
         for key in ("inertia", "damping", "stiffness"):
             if f"hand.{key}" in axes:
@@ -147,9 +144,30 @@ def contradictions(scene: SceneSpec, axes: Axes) -> Faults:
     if scene.controller:
         found += controller_faults(scene.controller, scene.given, axes)
         found += refusals(scene, axes, ["laws"])
+        key, why = scene.controller.counted
+        if scene.encoder == "none" and key:
+            value = getattr(scene.controller, key)
+            found.append((("scene", "controller", key), f"must not be {value} where encoder is none: {why}"))
         found += _without_wall(scene, scene.controller, axes)
     elif scene.sampling == "continuous":
         found += refusals(scene, axes, ["unsampled"])
+    return found
+
+
+def _of_jitter(scene: SceneSpec, axes: Axes) -> Faults:
+    """What does not go beside a sample clock that jitters."""
+    if not (places := given(scene, axes, PARTS["jitter"].path)):
+        return []
+    delays = axes.get("actuator.delay_samples", [scene.actuator.delay_samples if scene.actuator else 0.0])
+    found: Faults = []
+    if any(delay % 1.0 for delay in delays):
+        found.append((places[0], "must be 0 beside a delay by a part of a sample: intervals are not of one length"))
+    beside = {"bare": scene.encoder == "none"}
+    beside |= {part: bool(given(scene, axes, PARTS[part].path)) for part in ("hysteresis", "backlash", "play")}
+    for part, there in beside.items():
+        if there:
+            why = EXCEPTIONS["jitter", part, "general"][1]
+            found.append((places[0], f"must be 0 beside {PARTS[part].title}: {why}"))
     return found
 
 

@@ -19,14 +19,14 @@ Pieces = list[tuple[Any, Any]]  # torque [N m], duration [s]
 
 @dataclass
 class Rig:
-    """Hand, knob, wall and encoder of a ``scene``, sampled; ``number``: float or mp.mpf.
+    """Hand, knob, wall and encoder of a ``scene``, sampled; ``number``: float or mp.mpf. No ``counts``: none.
 
     ``braked``: damping by a motor or a brake [N m s/rad], which the scene's knob and hand do not have.
     """
 
     scene: dict[str, Any]
     rate_hz: float
-    counts: int
+    counts: int | None
     number: Callable[..., Any] = float
     braked: Any = 0.0
     _holds: dict[Any, Any] = field(default_factory=dict)
@@ -40,10 +40,10 @@ class Rig:
         self.stiffness = number(hand.get("stiffness", 0.0))
         self.wall = number(self.scene["wall"]["stiffness"])
         self.period = 1 / number(self.rate_hz)
-        self.quantum = 2 * (mp.pi if number is mp.mpf else number(np.pi)) / self.counts
+        self.quantum = 2 * (mp.pi if number is mp.mpf else number(np.pi)) / self.counts if self.counts else None
         half = bias.get("half_quantum")
         self.push = self.wall * self.quantum / 2 if half else number(bias.get("torque", 0.0))
-        encoder = self.scene.get("encoder", {})
+        encoder = self.scene.get("encoder", {}) if self.counts else {}
         self.rounding, self.offset = encoder.get("rounding", "floor"), number(encoder.get("offset_counts", 0.0))
         limit = self.scene.get("actuator", {}).get("torque_limit")
         self.limit = None if limit is None else number(limit)
@@ -67,6 +67,8 @@ class Rig:
 
     def measured(self, theta: Any) -> Any:
         """Angle that the encoder shows."""
+        if self.quantum is None:
+            return theta
         ratio = theta / self.quantum - self.offset
         if self.rounding == "nearest":
             level = floor(ratio + 0.5)

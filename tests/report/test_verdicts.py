@@ -151,6 +151,24 @@ def test_one_cell_that_rattles_says_so() -> None:
     assert "rattle" not in one_cell_text([end])[0]
 
 
+def test_a_clock_that_jitters_is_said_beside_the_cycles() -> None:
+    calm, loose = cell(2e-3, jitter_max_rad=None), cell(0.0, jitter_max_rad=3e-3) | {"at_rest_fraction": 0.0}
+    said = "It buzzes in 1 of 2 cells without repeating, because the sample clock jitters: the knob swings by 3 mrad on"
+    assert said in grid_verdict([calm, loose], [])
+    both = grid_verdict([loose, {**loose, "jitter_max_rad": 7.152e-3}], [])
+    assert "in all 2 cells without repeating" in both
+    assert "swings by 3 to 7.152 mrad on average (one trial each, not proven)" in both
+    assert "jitters" not in grid_verdict([calm, calm], [])
+
+
+def test_one_cell_whose_clock_jitters_says_so() -> None:
+    end = {"outcome": "undecided", "basin_fraction": 1.0, "certified": False, "reason": "x"}
+    (said,) = one_cell_text([{**end, "jitter_p2p_rad": 4e-3}])
+    assert said.startswith("No limit cycle was found")
+    assert " It buzzes without repeating, because the sample clock jitters: the knob swings by 4 mrad" in said
+    assert "jitters" not in one_cell_text([end])[0]
+
+
 def test_random_starts_are_as_many_as_the_engine_counts() -> None:
     """The terminal loads no engine to say so."""
     from hknob_cli.engine.sets.search import SAMPLED

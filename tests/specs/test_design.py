@@ -73,6 +73,7 @@ def test_people_are_a_population_too() -> None:
         ("inertia: 19.8", "inertia: @-19.8", "must be > 0"),
         ("    bias: {torque: 0.001}", "    @hand: {inertia: 1}", "hands are listed under people"),
         ("    bias: {torque: 0.001}", "    encoder: @none", "must be an encoder"),
+        ("    bias: {torque: 0.001}", "    @clock: {jitter: 0.1}", "that jitters no motion repeats"),
         ("  starts: {phases: 2}", "  @grid: {}", "scene, starts and limits are known"),
         ("  - {table: 2, grip_n: 2.4}", "  - {table: 2, grip_n: @2.5}", "2.5"),
         ("perceive: {knob_radius", "perceive: {@knob_radios: 1, knob_radius", "did you mean 'knob_radius'?"),

@@ -112,20 +112,10 @@ def test_fault_of_a_controller(name: str) -> None:
     assert len(found.splitlines()) == 1
 
 
-@pytest.mark.parametrize("axis", ["", "  actuator.dead_band: [0, 1.0e-3]\n"])
-def test_a_dead_band_needs_counts(axis: str) -> None:
-    actuator = "{}" if axis else "{dead_band: 1 mN*m}"
-    text = SPEC.replace("  counts_per_rev: [1024]\n", "").replace("grid:\n", "grid:\n" + axis, 1)
-    found = faults_of(text.replace("grid:", f"  encoder: none\n  actuator: {actuator}\ngrid:", 1))
-    place = 'grid["actuator.dead_band"]' if axis else "scene.actuator.dead_band"
-    assert f"{place}: must be absent where encoder is none: where the torque jumps is watched" in found
-
-
 @pytest.mark.parametrize(
     ("old", "new", "place"),
     [
         ("{stiffness: 0.27}", "{stiffness: 0}", "6:21: scene.wall.stiffness: must be > 0"),
-        ("grid:", "  encoder: none\ngrid:", "scene.encoder"),
         ("[1024]", "[1024]\n  controller.keep: [0.1]", 'grid["controller.keep"]'),
         ("starts:", "growth: {duration: 1}\nstarts:", "growth"),
     ],
@@ -194,6 +184,10 @@ TRIALS = {
     "two cells at a case": ("{scene: {con", "{grid: {sample_rate_hz: [1, 2]}, scene: {con", "one cell at each case"),
     "no clock": (
         "{scene: {controller: {kind: bounded_lag}}}", "{scene: {sampling: continuous}}", "must leave a sample",
+    ),
+    "a clock that jitters": (
+        "{scene: {controller: {kind: bounded_lag}}}", "{scene: {clock: {jitter: 0.1}}}",
+        "must leave a sample clock without jitter: what is compared are cycles",
     ),
     "pushes in the wrong order": (
         "remedies:", "press: {torques: [0.02, 0.01]}\nremedies:", "press.torques: must be two",

@@ -644,10 +644,12 @@ def simulate(
     samples: int,
     find_turns: bool = False,
     nudge: Any = 0,
+    intervals: Any = None,
 ) -> Trial:
     """Run a trial: the state is given at time 0, the first of ``samples`` + 1 samples is taken ``phase`` periods later.
 
     ``nudge``: relative change made to angle and velocity at every sample, to see how a run amplifies small errors.
+    ``intervals``: lengths of the sample intervals, in periods, beside whole delays.
     """
     bodies, control = build(scene, sample_rate_hz=sample_rate_hz, counts_per_rev=counts_per_rev)
     angle, velocity = mp.mpf(angle_rad), mp.mpf(velocity_rad_s)
@@ -678,12 +680,17 @@ def simulate(
         commands.append(control.command(wanted))
         acting = [commands[j] if j >= 0 else zero for j in row]
         torque = z[TORQUE] if bodies.lag else acting[0]
-        trial.samples.append(Sample((i + mp.mpf(phase)) * control.period, z[KNOB], z[SPEED], torque, friction.mode))
+        passed = i if intervals is None else mp.fsum(intervals[:i])
+        trial.samples.append(
+            Sample((passed + mp.mpf(phase)) * control.period, z[KNOB], z[SPEED], torque, friction.mode)
+        )
         trial.edge = min(trial.edge, control.edge_distance(z[KNOB]))
         trial.step = min(trial.step, control.step_distance(wanted))
         trial.levels.add(float(measured) if control.quantum is not None else float(measured < 0))
         largest = max(largest, float(abs(wanted)), float(abs(control.damping * measured / control.period)))
-        if i < samples:
+        if i < samples and intervals is not None:
+            friction.hold(acting[0], intervals[i] * control.period)
+        elif i < samples:
             for command, duration in zip(acting, durations, strict=True):
                 friction.hold(command, duration)
     trial.largest_command = largest

@@ -127,6 +127,7 @@ PAIRS = [
         scene(wall={"damping": 5.0e-5}, encoder={"rounding": "truncate", "offset_counts": 0.25}),
     ),
     Case("virtual damping, nearest", scene(wall={"damping": 3.0e-5}, encoder={"rounding": "nearest"})),
+    Case("dead band, no encoder", scene(encoder="none", actuator={"dead_band": 3.1e-3}), counts=None),
     Case("virtual damping, no encoder", scene(wall={"damping": 2.0e-5}, encoder="none"), rate_hz=4000.0, counts=None),
     Case("virtual damping, limit", scene(wall={"damping": 2.0e-4}, actuator={"torque_limit": 0.004})),
 ]

@@ -17,6 +17,7 @@ from .general_reference import KNOB, SPEED, Control, Friction, Relays, build, ma
 # Samples of readings, at least, until a memory can have settled. Phase damping does nothing before it has seen
 # crossings, and its mean of 64 samples takes 64 log(10^36) to be what it stays.
 LEAST = {False: 3, True: 5400}
+UNIT = 1e-3  # in place of a count where there is none: distances from the wall's edge, rad
 CONSTANTS = 90.0  # time constants in which a memory comes within 10^-36 of where it ends, and a few more
 
 Pieces = list[tuple[Any, Any]]  # torque [N m], duration [s]
@@ -25,7 +26,7 @@ Pieces = list[tuple[Any, Any]]  # torque [N m], duration [s]
 class Firmware:
     """A controller with encoder and amplifier: from what the sensor shows to the torques of the next interval."""
 
-    def __init__(self, scene: dict[str, Any], rate_hz: float, counts: int, control: Control) -> None:
+    def __init__(self, scene: dict[str, Any], rate_hz: float, counts: int | None, control: Control) -> None:
         """Nothing has happened yet."""
         plain = {name: part for name, part in scene.items() if name != "controller"}
         self.control = control
@@ -80,6 +81,9 @@ class Encoder:
     def show(self) -> Any:
         """Angle that the encoder reports now [rad]."""
         control, theta = self.control, self.motion.z[KNOB]
+        if control.quantum is None:
+            self.clear = min(self.clear, float(abs(theta)) / UNIT)
+            return theta
         if not control.hysteresis:
             self.clear = min(self.clear, control.edge_distance(theta) / float(control.quantum))
             return control.measured(theta)
@@ -135,7 +139,7 @@ class Pushed(Friction):
 def simulate_law(
     scene: dict[str, Any],
     rate_hz: float,
-    counts: int,
+    counts: int | None,
     *,
     angle: float,
     velocity: float,
@@ -169,7 +173,7 @@ def simulate_law(
         wave.append(firmware.command(encoder.show(), motion.z[SPEED], looks))
         clear = min(clear, encoder.clear)
         if control.step:
-            clear = min(clear, firmware.step / float((control.stiffness or 1) * control.quantum))
+            clear = min(clear, firmware.step / float((control.stiffness or 1) * (control.quantum or UNIT)))
         yield theta, motion.z[SPEED], clear
         begin = (i - control.delay) * control.period
         looks = move(motion, window(wave, begin, begin + control.period, control.period), control, detections, encoder)

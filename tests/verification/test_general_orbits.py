@@ -150,9 +150,16 @@ def margin_of(found: Found, exact: list[Any]) -> float:
         gaps = [abs(x) for x in ends]
         slope = wall.kappa + 2.0 * wall.damping
         for before, x in zip([ends[-1], *ends], ends, strict=False):
-            if x < 0 and wall.limit < float("inf"):
-                u = -wall.kappa * x - wall.damping * (x - before)
+            if not x < 0:
+                continue
+            u = -wall.kappa * x - wall.damping * (x - before)
+            if wall.limit < float("inf"):
                 gaps.append(abs(abs(u) - wall.limit) / slope)
+            if wall.band:
+                gaps.append(abs(abs(u) - wall.band) / slope)
+            if wall.step and abs(u) >= wall.band:
+                halves = u / wall.step - mp.mpf(1) / 2
+                gaps.append(abs(halves - mp.nint(halves)) * wall.step / slope)
         return float(min(gaps))
     first = 0 if wall.sense > 0 else -1  # the wall begins below it
     if wall.damping:
@@ -186,6 +193,19 @@ SCENES: dict[str, tuple[dict[str, Any], Any]] = {
     "no encoder, delay": (scene(encoder="none", actuator={"delay_samples": 0.5}), [(100.0, None), (RATES_HZ[1], None)]),
     "no encoder, damping": (scene(encoder="none", wall={"damping": 2.0e-5}), [(100.0, None), (RATES_HZ[1], None)]),
     "no encoder, limit": (scene(encoder="none", actuator={"torque_limit": 0.002}), [(RATES_HZ[1], None)]),
+    "no encoder, dead band": (
+        scene(encoder="none", actuator={"dead_band": 2.0e-3}),
+        [(300.0, None), (1000.0, None), (4000.0, None)],
+    ),
+    "no encoder, dead band, step": (
+        scene(encoder="none", actuator={"dead_band": 3.0e-3, "torque_step": 1.0e-3}),
+        [(300.0, None), (1000.0, None)],
+    ),
+    "no encoder, dead band, limit": (
+        scene(encoder="none", actuator={"dead_band": 2.0e-3, "torque_limit": 2.2e-3}),
+        [(1000.0, None), (4000.0, None)],
+    ),
+    "no encoder, step": (scene(encoder="none", actuator={"torque_step": 1.0e-3}), [(1000.0, None)]),
     "no encoder, finger": (scene(encoder="none", hand=TWO_PARTS), [(RATES_HZ[1], None)]),
 }
 

@@ -1,6 +1,6 @@
 """The loop with whatever else a scene lists: friction, finger, lag, limits, virtual damping, a continuous sensor.
 
-- `body`, `controller` (encoder and wall), `torque_table` the scene in numbers
+- `body`, `controller` (encoder and wall), `torque_table`, `jitter` of the sample clock: the scene in numbers
 - `advance` from event to event, `hysteresis` of the count on the way, `teeth` of a gear that part and meet
 - `period_map` the proof, `powers` of its derivative
 - `inner_region` rest that is never reached

@@ -26,6 +26,7 @@ class Controller(NamedTuple):
     table: Any = None  # torque over the angle, wall included, as `torque_table` has it: list or array
     band: float = 0.0  # a smaller torque is not sent
     hysteresis: float = 0.0  # counts by which the knob turns back until the count does
+    clock: Any = None  # of jittering samples, as `jitter` has it: list or array
 
 
 def read(x, wall):
@@ -77,7 +78,7 @@ def slopes(shown, before, wall):
     if wall.analog == 0.0 or not shown < 0.0 or wall.step > 0.0:
         return 0.0, 0.0
     u = -wall.kappa * (shown + wall.offset) - wall.damping * (shown - before)
-    if abs(u) >= wall.limit:
+    if abs(u) >= wall.limit or abs(u) < wall.band:
         return 0.0, 0.0
     return -wall.kappa - wall.damping, wall.damping
 
@@ -92,6 +93,21 @@ def inside(shown, wall):
     if is_there(wall.table):
         return run_at(shown, wall.table)[0]
     return shown if shown < 0.0 else 0.0
+
+
+def depth_level(shown, wall):
+    """How deep a reading is, as a level that falls on the way into the wall; a change may begin a turn of an orbit.
+
+    With a continuous sensor the command jumps at the wall's edge, at the end of the dead band, and from step to step.
+    """
+    if wall.analog == 0.0:
+        return inside(shown, wall)
+    if not shown < 0.0:
+        return 0.0
+    u = -wall.kappa * shown
+    if u < wall.band or wall.band + wall.step == 0.0:
+        return -1.0
+    return -2.0 - (floor(u / wall.step + 0.5) if wall.step > 0.0 else 0.0)
 
 
 def goes_on(v, shown, wall):
@@ -128,7 +144,9 @@ def edge_gap(x, shown, before, wall):
         if shown < 0.0 and slope > 0.0:
             u = -wall.kappa * shown - wall.damping * (shown - before)
             gap = min(gap, abs(abs(u) - wall.limit) / slope)
-            if wall.step > 0.0:
+            if wall.band > 0.0:
+                gap = min(gap, abs(abs(u) - wall.band) / slope)
+            if wall.step > 0.0 and abs(u) >= wall.band:
                 part = (u / wall.step + 0.5) % 1.0
                 gap = min(gap, min(part, 1.0 - part) * wall.step / slope)
         return gap

@@ -16,6 +16,7 @@ from hknob_cli.engine.general.advance import advance_span
 from hknob_cli.engine.general.controller import read, read_after
 from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, CYCLE_PARTS, FIELDS, KNOWN, follow_trial
 from hknob_cli.engine.general.interval import advance, pass_over
+from hknob_cli.engine.general.jitter import begin_clock
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS, certify
 
 
@@ -215,6 +216,7 @@ def run_trials(start, phases, first, stop, budget, trial, body, wall):
     overflow, samples = 0, 0
     for i in range(first, stop):
         begin(z, start, (i + 0.5) / phases, body, trial.space.pad)
+        begin_clock(wall.clock, float(i))
         for j in range(delay):
             ring[j] = 0.0
         head = 0 * delay

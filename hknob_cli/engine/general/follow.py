@@ -16,9 +16,10 @@ from hknob_cli.engine.follow import (
     same_line,
 )
 from hknob_cli.engine.general.body import distance
-from hknob_cli.engine.general.controller import command, inside, read, read_after
+from hknob_cli.engine.general.controller import command, depth_level, inside, read, read_after
 from hknob_cli.engine.general.inner_region import stands
-from hknob_cli.engine.general.interval import advance
+from hknob_cli.engine.general.interval import advance, advance_jittering
+from hknob_cli.engine.general.jitter import jitters
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS, certify
 from hknob_cli.engine.general.slide_two import step_with_friction
 from hknob_cli.engine.general.standstill import SETTLING, settles
@@ -147,6 +148,7 @@ def follow_trial(
     kept, kept_fate, kept_head, kept_before = 0, CYCLE_ON_EDGE, head, before
     resting_on_edge, settling = False, False
     shown = read(z[0], wall)
+    level = depth_level(shown, wall)
     run, next_test = 0, FIRST_REST_TEST
     left_alone, wait = 0, 0
     for i in range(budget):
@@ -165,7 +167,8 @@ def follow_trial(
                 return KNOWN, row, before, head, i
         last = shown
         shown = read_after(x, before, wall)
-        same = inside(shown, wall) == inside(last, wall) if wall.analog == 0.0 else (shown < 0.0) == (last < 0.0)
+        level_before, level = level, depth_level(shown, wall)
+        same = level == level_before if wall.analog == 0.0 else (shown < 0.0) == (last < 0.0)
         if same:
             run += 1
             if run >= next_test:
@@ -189,7 +192,7 @@ def follow_trial(
         else:
             run, next_test = 0, FIRST_REST_TEST
             resting_on_edge, settling = False, False
-        if inside(shown, wall) < inside(last, wall) and (wall.analog == 0.0 or not last < 0.0):
+        if level < level_before and not jitters(wall.clock):
             if have:
                 for j in range(n):
                     space.away[j] = z[j] - check[j]
@@ -257,7 +260,9 @@ def follow_trial(
         if since < len(space.trail):
             space.trail[since] = shown
         since += 1
-        if body.order == 2 and delay == 0 and body.friction > 0.0 and wall.hysteresis == 0.0:
+        if jitters(wall.clock):
+            before, head = advance_jittering(z, before, ring, head, body, wall, space.pad)
+        elif body.order == 2 and delay == 0 and body.friction > 0.0 and wall.hysteresis == 0.0:
             u = command(shown, before, wall)
             z[0], z[1] = step_with_friction(x, z[1], u, 1.0, body.s2, body.g2, body.f2, body)
             before = shown

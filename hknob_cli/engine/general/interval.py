@@ -1,10 +1,11 @@
 """One sample interval of the general loop: sense, command, and move under what is commanded."""
 
-from hknob_cli.engine.general.advance import advance_hold, rub_columns, rub_many
+from hknob_cli.engine.general.advance import advance_hold, advance_span, rub_columns, rub_many
 from hknob_cli.engine.general.body import FIRST, SECOND
 from hknob_cli.engine.general.columns import feed
-from hknob_cli.engine.general.controller import command, read_after
+from hknob_cli.engine.general.controller import command, read, read_after
 from hknob_cli.engine.general.hysteresis import hold_and_count
+from hknob_cli.engine.general.jitter import jitters, next_span
 from hknob_cli.engine.general.slide_two import step_with_friction
 
 
@@ -58,9 +59,28 @@ def advance(z, before, ring, head, body, wall, pad):
     return shown, head
 
 
+def advance_jittering(z, before, ring, head, body, wall, pad):
+    """As `advance`, over an interval of random length; delays are of whole samples, and counts have no hysteresis."""
+    shown = read(z[0], wall)
+    u = command(shown, before, wall)
+    delay = len(ring)
+    if delay > 0:
+        ring[head] = u
+        head = (head + 1) % delay
+        u = ring[head]
+    advance_span(z, u, next_span(wall.clock), body, pad)
+    return shown, head
+
+
 def pass_over(z, before, ring, head, samples, limit, body, wall, pad):
     """Many intervals at once, as long as ``z`` stays within ``limit``: ``(reading, head)``."""
     delay = len(ring)
+    if jitters(wall.clock):
+        for _ in range(samples):
+            before, head = advance_jittering(z, before, ring, head, body, wall, pad)
+            if not -limit < z[0] < limit or body.halt[0] > 0.0:
+                break
+        return before, head
     if body.order > 2 or body.friction == 0.0 or delay > 0 or wall.hysteresis > 0.0:
         for _ in range(samples):
             before, head = advance(z, before, ring, head, body, wall, pad)

@@ -29,6 +29,7 @@ from hknob_cli.engine.general import ensemble, parting, trace
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, CYCLE_PARTS, FIELDS
+from hknob_cli.engine.general.jitter import TRIAL
 from hknob_cli.engine.general.laws.law import CYCLE_AT_SWITCH, CYCLE_NOT_AFFINE, REST_NOT_PROVEN
 from hknob_cli.engine.general.period_map import Space
 from hknob_cli.engine.general.torque_table import HEAD
@@ -123,7 +124,8 @@ def make_space(order: int, delay: int, zeros: Callable[[int], Any]) -> Space:
 
 
 def as_list(wall: Controller) -> Controller:
-    """The controller with a list in place of its table, for the interpreter, which is quicker on it."""
+    """The controller with lists in place of its arrays, for the interpreter, which is quicker on them."""
+    wall = wall if wall.clock is None else wall._replace(clock=list(wall.clock))
     return wall if wall.table is None else wall._replace(table=wall.table.tolist())
 
 
@@ -182,7 +184,9 @@ class GeneralEngine(Runner):
             raise NeedsCompilerError
         n = body.order
         ready = as_arrays(body) if self.compiled else body
-        wall = wall if self.compiled else as_list(wall)
+        wall = (
+            wall._replace(clock=None if wall.clock is None else wall.clock.copy()) if self.compiled else as_list(wall)
+        )
         trial = ensemble.TrialSpace(
             z=self.zeros(n),
             ring=self.zeros(delay_line),
@@ -206,7 +210,9 @@ class GeneralEngine(Runner):
                 stop = min(first + slice_size, phases)
                 begin = perf_counter()
                 runs = [(one, AT_ONCE, 0, 1) for one in several[first:stop]] if several else None
-                for state, among, low, high in runs or [(start, phases, first, stop)]:
+                for k, (state, among, low, high) in enumerate(runs or [(start, phases, first, stop)]):
+                    if wall.clock is not None and runs:
+                        wall.clock[TRIAL] = float(first + k)  # each start has intervals of its own
                     full, taken = self._run_trials(self.filled(state), among, low, high, followed, trial, ready, wall)
                     overflow += full
                     samples += int(taken)
@@ -217,7 +223,7 @@ class GeneralEngine(Runner):
         fates = [int(table[FIELDS * row]) for row in range(rows)]
         if cut and any(fate in (follow.UNSETTLED, follow.UNDAMPED) for fate in fates):
             raise NeedsCompilerError
-        why = why_unrepeated(rate, budget, held=spring > 0.0)
+        why = why_unrepeated(rate, budget, held=spring > 0.0) if wall.clock is None else Reason.JITTERS
         grew = Reason.SPINS if far < 1e6 * scale else Reason.GREW
         found = [
             attractor_of(
@@ -226,7 +232,7 @@ class GeneralEngine(Runner):
                 [float(value) for value in trial.lines[row * delay_line : (row + 1) * delay_line]],
                 why,
                 grew,
-                keep=body.play > 0.0,
+                keep=body.play > 0.0 or wall.clock is not None,
             )
             for row in range(rows)
         ]

@@ -5,7 +5,8 @@ from typing import Any, NamedTuple
 from hknob_cli.engine.general.advance import next_mode, slide
 from hknob_cli.engine.general.body import acceleration
 from hknob_cli.engine.general.controller import command, read_after
-from hknob_cli.engine.general.interval import advance
+from hknob_cli.engine.general.interval import advance, advance_jittering
+from hknob_cli.engine.general.jitter import begin_clock, jitters, next_span
 from hknob_cli.engine.general.slide_two import way
 from hknob_cli.engine.general.teeth import play_chart
 
@@ -24,7 +25,10 @@ def run(z, before, ring, head, samples, body, wall, pad, states, torques):
             acting = ring[head] if wall.split > 0.0 else ring[(head + 1) % delay]
         torques[i] = z[n - 1] if body.lag > 0.0 else acting
         if i < samples:
-            before, head = advance(z, before, ring, head, body, wall, pad)
+            if jitters(wall.clock):
+                before, head = advance_jittering(z, before, ring, head, body, wall, pad)
+            else:
+                before, head = advance(z, before, ring, head, body, wall, pad)
     return before, head
 
 
@@ -80,6 +84,7 @@ def chart_period(z, before, ring, period, body, wall, pad, pieces):
         pieces: `Pieces` to fill.
     """
     rows, head, delay = 0, 0, len(ring)
+    begin_clock(wall.clock, -1.0)
     for _ in range(period):
         shown = read_after(z[0], before, wall)
         u = command(shown, before, wall)
@@ -91,7 +96,8 @@ def chart_period(z, before, ring, period, body, wall, pad, pieces):
             u = ring[head]
             if wall.split > 0.0:
                 rows = chart(z, older, wall.split, body, pad, rows, pieces)
-        rows = chart(z, u, 1.0 - wall.split, body, pad, rows, pieces)
+        span = next_span(wall.clock) if jitters(wall.clock) else 1.0 - wall.split
+        rows = chart(z, u, span, body, pad, rows, pieces)
         if wall.hysteresis > 0.0:
             for row in range(begun, rows):
                 before = read_after(pieces.states[row * body.order], before, wall)

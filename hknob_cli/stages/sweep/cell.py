@@ -193,7 +193,8 @@ class CellFinder:
         from hknob_cli.engine.general.laws.search import LawEngine
         from hknob_cli.measure.general_orbit import LawMeasurer
 
-        made = make_law(scene_at(plan.scene, cell), sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
+        counts = int(cell[COUNTS]) if COUNTS in cell else None
+        made = make_law(scene_at(plan.scene, cell), sample_rate_hz=cell[RATE], counts_per_rev=counts)
         engine = LawEngine(made.law, self.functions.get(group), self.stopped, self.patience(group))
         try:
             search = self._starts.search_law(plan, made, engine) if group == LAW_SETS else None

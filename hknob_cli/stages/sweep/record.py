@@ -12,6 +12,7 @@ from hknob_cli.engine.general.advance import advance_span
 from hknob_cli.engine.general.body import CONSTANT, Body
 from hknob_cli.engine.general.controller import command, read, read_after
 from hknob_cli.engine.general.hysteresis import turn_and_count
+from hknob_cli.engine.general.jitter import begin_clock, jitters, next_span
 from hknob_cli.engine.general.search import as_list
 from hknob_cli.measure.unsampled import events
 from hknob_cli.results.arrays import build_table
@@ -117,7 +118,7 @@ def _instants(plan: SweepPlan, scene: Scene, cell: Cell, trial: int, angle: floa
         return _with_law(plan, cell, trial, angle)
     knob = sample_general(scene, sample_rate_hz=cell[RATE], counts_per_rev=counts)
     phase = (trial + 0.5) / plan.starts.phases
-    return record_trial(knob, plan.record, angle=angle, velocity=plan.starts.velocity, phase=phase)
+    return record_trial(knob, plan.record, angle=angle, velocity=plan.starts.velocity, phase=phase, trial=trial)
 
 
 def _row(one: Instant, scene: Scene, push: float) -> dict[str, Any]:
@@ -174,11 +175,12 @@ def _pulse_on(knob: GeneralKnob, record: Record) -> tuple[Body, float] | None:
 
 
 def record_trial(
-    knob: GeneralKnob, record: Record, *, angle: float, velocity: float, phase: float
+    knob: GeneralKnob, record: Record, *, angle: float, velocity: float, phase: float, trial: int = 0
 ) -> Iterator[Instant]:
     """Motion of one trial: at every sample, wherever the command that acts changes, and between at the interval asked.
 
     ``angle`` (rad) and ``velocity`` (rad/s) at the start; the first sample comes ``phase`` of a period later.
+    ``trial``: its number, by which a clock that jitters has its intervals.
     """
     wall, n = as_list(knob.wall), knob.body.order
     body, until = _pulse_on(knob, record) or (knob.body, 0.0)
@@ -186,7 +188,8 @@ def record_trial(
     ring, head = [0.0] * knob.delay_line, 0
     before, acting, later, t = read(z[0], wall), 0.0, 0.0, 0.0
     first = True
-    for time, event in _stops(knob, record, phase, until):
+    begin_clock(wall.clock, float(trial))
+    for time, event in _stops(knob, record, phase, until, wall.clock):
         while t < time:
             step = min(time - t, 1.0)
             if wall.hysteresis > 0.0:
@@ -212,10 +215,17 @@ def record_trial(
         yield _instant(knob, time, event, z, z[n - 1] if body.lag > 0.0 else acting)
 
 
-def _stops(knob: GeneralKnob, record: Record, phase: float, pulse_ends: float) -> list[tuple[float, str]]:
+def _stops(
+    knob: GeneralKnob, record: Record, phase: float, pulse_ends: float, clock: Any = None
+) -> list[tuple[float, str]]:
     """Instants of rows in their order, in sample periods, and what happens then; "" at the interval asked."""
     end, interval, split = record.duration / knob.period_s, record.interval / knob.period_s, knob.wall.split
     stops = [(phase + i, "sample") for i in range(ceil(end) + 1)]
+    if jitters(clock):
+        at, stops = phase, []
+        while at <= end:
+            stops.append((at, "sample"))
+            at += next_span(clock)
     stops += [(min(i * interval, end), "") for i in range(int(end / interval * (1.0 + 1e-12)) + 1)]
     if split > 0.0:
         stops += [(phase + i + split, "command") for i in range(ceil(end) + 1)]
@@ -232,7 +242,8 @@ def _with_law(plan: SweepPlan, cell: Cell, trial: int, angle_rad: float) -> Iter
     from hknob_cli.stages.sweep.law_record import follow_law
 
     assert plan.record
-    made = make_law(scene_at(plan.scene, cell), sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
+    counts = int(cell[COUNTS]) if COUNTS in cell else None
+    made = make_law(scene_at(plan.scene, cell), sample_rate_hz=cell[RATE], counts_per_rev=counts)
     knob = made.knob
     start, phase = knob.start(angle_rad, plan.starts.velocity), (trial + 0.5) / plan.starts.phases
     every, pulse = plan.record.interval / knob.period_s, _pulse_on(knob, plan.record)

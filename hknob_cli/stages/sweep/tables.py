@@ -22,6 +22,8 @@ from hknob_cli.results.columns import (
     EVERY_START,
     FRICTION,
     GROWTH,
+    JITTER,
+    JITTER_MAX,
     ONE_START,
     ORBITS,
     PEOPLE,
@@ -34,7 +36,7 @@ from hknob_cli.results.columns import (
 from hknob_cli.scene.sampled_cells import hands_of
 from hknob_cli.scene.torque_over_angle import is_shaped
 from hknob_cli.specs.cells import WHOLE
-from hknob_cli.specs.plan import COUNTS, PERSON, SweepPlan, knob_counts, may_part, may_yield, scene_at
+from hknob_cli.specs.plan import COUNTS, PERSON, SweepPlan, knob_counts, may_jitter, may_part, may_yield, scene_at
 from hknob_cli.stages.sweep.cell import CellResult, may_bounce
 from hknob_cli.stages.sweep.every_start import INCOMPLETE, why_incomplete
 
@@ -134,9 +136,10 @@ def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
     more: dict[str, list[Any]] = {}
     if may_bounce(plan):
         columns, more = (*CELLS, *GROWTH), _growth(results)
-    if may_part(plan):
-        swings = [np.array([one.rattle_p2p_rad for one in result.measures]) for result in results]
-        columns, more = (*columns, *RATTLE), {"rattle_max_rad": [float(np.fmax.reduce(one)) for one in swings]}
+    for has, some, name in ((may_part, RATTLE, "rattle_p2p_rad"), (may_jitter, JITTER_MAX, "jitter_p2p_rad")):
+        if has(plan):
+            every = [[getattr(one, name) for one in result.measures] for result in results]
+            columns, more = (*columns, *some), {some[0].name: [float(np.fmax.reduce(one)) for one in every]}
     if not plan.starts.sampled and plan.scene.sampled:
         columns = (*columns, *EVERY_START)
         more |= {"complete": [one.complete for one in results], "piece_count": [one.pieces for one in results]}
@@ -169,7 +172,7 @@ def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
 
 def orbits_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
     """One row per attractor."""
-    parts = ((FRICTION, _has_friction), (BEHIND, may_yield), (PLAY, may_part))
+    parts = ((FRICTION, _has_friction), (BEHIND, may_yield), (PLAY, may_part), (JITTER, may_jitter))
     columns: tuple[Column, ...] = (*ORBITS, *(one for some, has in parts if has(plan) for one in some))
     more: dict[str, list[Any]] = {}
     if not plan.scene.sampled:

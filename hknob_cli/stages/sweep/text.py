@@ -10,7 +10,7 @@ import pyarrow as pa
 from hknob_cli.report.population import describe_people, people_text
 from hknob_cli.report.sweep_words import Level, perceived_levels, perceived_text, undecided_in, undecided_text
 from hknob_cli.report.table import MAX_ROWS, fits, matrix, short, table
-from hknob_cli.report.verdicts import grid_verdict, percent, rattle_text, unproven_of
+from hknob_cli.report.verdicts import grid_verdict, jitter_text, percent, rattle_text, unproven_of
 from hknob_cli.report.what_matters import describe_matters, matters_of, matters_text
 from hknob_cli.results.means import differs
 from hknob_cli.specs.plan import PERSON
@@ -23,7 +23,17 @@ _ALMOST = 1.0 - 1e-9  # of the starts, all
 
 def describe_one(orbits: list[Row]) -> list[Row]:
     """The ends of the trials as plain data: what each is, how large, at what pitch, of how many, and if proven."""
-    keys = ("outcome", "p2p_rad", "frequency_hz", "basin_fraction", "certified", "reason", "rattle_p2p_rad")
+    keys = (
+        "outcome",
+        "p2p_rad",
+        "frequency_hz",
+        "basin_fraction",
+        "certified",
+        "reason",
+        "rattle_p2p_rad",
+        "jitter_p2p_rad",
+        "jitter_frequency_hz",
+    )
     return [{key: row[key] for key in keys if key in row} for row in orbits]
 
 
@@ -35,6 +45,7 @@ def one_cell_text(orbits: list[Row], *, unproven: float = 0.0, trials: int = 0) 
     """
     cycles = sorted((row for row in orbits if row["outcome"] == "cycle"), key=lambda row: -row["p2p_rad"])
     rattles = rattle_text([row["rattle_p2p_rad"] for row in orbits if row.get("rattle_p2p_rad")])
+    rattles += jitter_text([row["jitter_p2p_rad"] for row in orbits if row.get("jitter_p2p_rad")])
     tried = f"{trials} random starts" if trials and unproven else "every start tried"
     left = f" {percent(unproven)} of the range has no proven end." if unproven else ""
     if not cycles:

@@ -4,7 +4,7 @@ from math import inf
 
 import pytest
 
-from hknob_cli.engine.general.controller import Controller, command, edge_gap, read, slopes
+from hknob_cli.engine.general.controller import Controller, command, depth_level, edge_gap, read, slopes
 
 
 def wall(**changes: float) -> Controller:
@@ -73,6 +73,10 @@ def test_command(changes: dict[str, float], shown: float, before: float, u: floa
         ({"analog": 1.0}, -1.25, -1.0, 1.25),
         ({"analog": 1.0, "limit": 2.0}, -1.25, -1.0, 0.25),
         ({"analog": 1.0, "step": 1.0}, -0.625, -1.0, 0.125),  # 1.25 rounds to 1; 1.5 is the next jump
+        ({"analog": 1.0, "band": 2.0}, -1.25, -1.0, 0.25),
+        ({"analog": 1.0, "band": 2.0}, -0.875, -1.0, 0.125),  # from below
+        ({"analog": 1.0, "band": 2.0, "step": 1.0}, -0.625, -1.0, 0.375),  # below the band no step is sent
+        ({"analog": 1.0, "band": 1.0, "step": 1.0}, -0.625, -1.0, 0.125),
     ],
 )
 def test_gap(changes: dict[str, float], x: float, before: float, gap: float) -> None:
@@ -96,3 +100,25 @@ def test_slopes_are_differences(shown: float, before: float) -> None:
     first = (command(shown + h, before, one) - command(shown - h, before, one)) / (2 * h)
     second = (command(shown, before + h, one) - command(shown, before - h, one)) / (2 * h)
     assert slopes(shown, before, one) == (first, second)
+
+
+@pytest.mark.parametrize(("shown", "found"), [(-0.4, (0.0, 0.0)), (-0.5, (-2.5, 0.5)), (-4.0, (0.0, 0.0))])
+def test_a_torque_that_is_not_sent_has_no_slope(shown: float, found: tuple[float, float]) -> None:
+    one = wall(analog=1.0, damping=0.5, band=1.0, limit=8.0)
+    assert slopes(shown, shown, one) == found
+
+
+@pytest.mark.parametrize(
+    ("changes", "levels"),
+    [
+        ({}, [0.0, 0.0, -1.0, -1.0, -1.0, -1.0]),
+        ({"band": 1.0}, [0.0, 0.0, -1.0, -2.0, -2.0, -2.0]),
+        ({"step": 1.0}, [0.0, 0.0, -2.0, -3.0, -3.0, -4.0]),
+        ({"band": 1.5, "step": 1.0}, [0.0, 0.0, -1.0, -1.0, -1.0, -4.0]),
+    ],
+)
+def test_levels_on_the_way_into_the_wall(changes: dict[str, float], levels: list[float]) -> None:
+    """The torques at these places are 0, 0, 0.25, 1, 1.25 and 2."""
+    places = [0.5, 0.0, -0.125, -0.5, -0.625, -1.0]
+    assert [depth_level(x, wall(analog=1.0, **changes)) for x in places] == levels
+    assert [depth_level(x, wall(**changes)) for x in (2.0, -1.0, -2.0)] == [0.0, -1.0, -2.0]

@@ -28,5 +28,6 @@ sample, and owes more after each period, its torques no longer depend on how muc
 
 A controller that reads the velocity is no such cascade: two motions with the same readings get other torques. Without
 friction a period is an affine map between edges, and its powers bound how far two motions part. With friction what
-repeats is labelled as not proven.
+repeats is labelled as not proven. So is all that repeats under a law that reads a continuous sensor, whose memory
+follows the motion, too.
 """

@@ -14,7 +14,7 @@ from hknob_cli.engine.follow import (
     UNSETTLED,
 )
 from hknob_cli.engine.general.body import distance
-from hknob_cli.engine.general.controller import inside, read_after
+from hknob_cli.engine.general.controller import depth_level, read_after
 from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, FIELDS, KNOWN, PATIENCE, WAIT, has_period
 from hknob_cli.engine.general.laws.cascade import (
     apart,
@@ -34,6 +34,7 @@ from hknob_cli.engine.general.standstill import SETTLING
 from hknob_cli.engine.rest import AT_REST, REST_ON_EDGE, RINGS
 
 LOOK_AGAIN = 64  # samples of one reading
+CLOSE = 1e-12  # counts, relative: so close a continuous sensor's motions come again, or they are followed to the end
 
 
 def fate_of(status, law):
@@ -122,7 +123,7 @@ def follow_with_law(
         read_now = read_after(x, past[law.line - 1], wall)
         shown = read_now
         if law.watch.damping == 0.0:
-            shown = inside(shown, wall)
+            shown = depth_level(shown, wall)
         if shown == last:
             run += 1
             if run >= next_test:
@@ -171,7 +172,7 @@ def follow_with_law(
                         kept, kept_fate = since, fate_of(status, law)
                         copy_to(keep, space.orbit)
                         copy_to(keeppast, law.periodic)
-                        if not law.provable:
+                        if not law.provable and (wall.analog == 0.0 or gap <= CLOSE * (1.0 + abs(x))):
                             copy_to(z, keep)
                             copy_to(past, keeppast)
                             return kept_fate, since, i

@@ -69,6 +69,8 @@ def enter_with_law(
             cycle, fate = False, rest_of_law(z, past, body, wall, law, space)
     rest = fate == REST_NOT_PROVEN or fate == REST_PROVEN or fate == REST_EDGE
     shown = read_after(z[0], past[law.line - 1], wall) if rest and body.friction > 0.0 else float("nan")
+    if wall.analog > 0.0 and shown == shown:
+        shown = -1.0 if z[0] < 0.0 else 0.0
     row = find(fate, period, z, shown, rows, table, states, n)
     if cycle and row == rows:
         status, margin, edge, closure, bound = certify_with_law(z, past, period, body, wall, law, space)

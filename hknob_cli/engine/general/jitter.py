@@ -1,0 +1,35 @@
+"""A sample clock that jitters: how long each interval is, drawn evenly between two lengths, in the longest one.
+
+A clock is a flat array: the state of its random numbers, the shortest interval, by how much the longest is longer, the
+seed, and the number of the first trial. The random numbers are those of Park & Miller (1988, "minimal standard"),
+s -> 16807 s mod 2^31 - 1, whose products a double holds exactly: compiled or not, they are the same.
+
+The compiler makes code of its own for scenes without jitter, in which nothing of this is left: a clock that is None is
+known by its type.
+"""
+
+STATE, SHORTEST, SPREAD, SEED, TRIAL = range(5)
+FACTOR, MODULUS = 16807.0, 2147483647.0
+FIRST = 8  # numbers that are passed over: those of neighbouring trials are alike at first
+
+
+def jitters(clock):
+    """Whether intervals differ."""
+    return clock is not None
+
+
+def next_span(clock):
+    """Length of the next interval, in the longest; 1 without jitter."""
+    if clock is None:
+        return 1.0
+    clock[0] = (FACTOR * clock[0]) % MODULUS
+    return clock[1] + clock[2] * (clock[0] / MODULUS)
+
+
+def begin_clock(clock, trial):
+    """Set a clock to the beginning of a trial, by its number."""
+    if clock is None:
+        return
+    clock[0] = (65539.0 * clock[3] + 30269.0 * (trial + clock[4])) % (MODULUS - 1.0) + 1.0
+    for _ in range(FIRST):
+        clock[0] = (FACTOR * clock[0]) % MODULUS
