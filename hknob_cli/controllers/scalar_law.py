@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.controllers.controller import ControlLaw, Plant, make_control_law
+from hknob_cli.controllers.plain_wall import PlainWall
 from hknob_cli.engine.general.body import ADDED
 from hknob_cli.engine.general.follow import CYCLE_EXPANDS
 from hknob_cli.engine.general.laws.law import BLOCK, CYCLE_NOT_AFFINE, PIECE, Law
@@ -29,10 +30,12 @@ class LawKnob(NamedTuple):
 
 
 def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> LawKnob:
-    """Reduce a scene with a controller to one cell. Raises `ComputationError` as `general_knob.sample_general`."""
-    assert scene.controller
+    """Reduce a scene to one cell under its controller, or the plain wall as one.
+
+    Raises `ComputationError` as `general_knob.sample_general`.
+    """
     knob = sample_general(scene, sample_rate_hz=sample_rate_hz, counts_per_rev=counts_per_rev, walled=False)
-    control = make_control_law(scene.controller)
+    control = make_control_law(scene.controller) if scene.controller else PlainWall()
     plant = _plant(knob, scene.wall.stiffness)
     fixed, first, fading = control.numbers(plant), control.first(), control.fading(plant)
     rows = len(first)

@@ -73,9 +73,10 @@ class GeneralKnob(NamedTuple):
 def sample_general(
     scene: Scene, *, sample_rate_hz: float, counts_per_rev: int | None, walled: bool = True
 ) -> GeneralKnob:
-    """Reduce a scene to one cell. ``walled``: whether a torque over the angle has the wall's in it.
+    """Reduce a scene to one cell. ``walled``: whether the wall's torque is the loop's, and not a law's.
 
-    Raises `ComputationError` if its numbers overflow, or if it rings so often in an interval that nobody waits for it.
+    Raises `ComputationError` if its numbers overflow, if it rings so often in an interval that nobody waits for it, or
+    if the loop without a law does not remember all that it takes.
     """
     actuator = scene.actuator or Actuator()
     encoder = scene.encoder or Encoder()
@@ -111,6 +112,8 @@ def sample_general(
         band=actuator.dead_band * square / quantum,
         hysteresis=encoder.width_counts(quantum) if scene.encoder else 0.0,
     )
+    if walled and wall.hysteresis > 0.0 and wall.damping > 0.0:
+        raise ComputationError("virtual damping beside hysteresis of the encoder is followed under a law")
     body, slowest = make_body(scene, period=period, quantum=quantum, shift=shift, split=split)
     commands = [] if table is None else table[HEAD : HEAD + (len(table) - HEAD) // 3].tolist()
     numbers = [*wall[: wall._fields.index("limit")], wall.band, *commands, body.friction, body.push, body.play]

@@ -228,7 +228,8 @@ EXCEPTIONS = {
     **{
         (part, "virtual_damping", "general"): (
             REFUSED,
-            "it needs the counts of the last turning point and of the last sample; controllers have both",
+            "the plain wall remembers one count there, not those of the last turning point and of the last sample: "
+            "it is followed as a controller",
         )
         for part in ("hysteresis", "backlash")
     },
@@ -270,11 +271,19 @@ STARTS = {"phases": TRIALS, "one": PHASES, "ranges": RANGES, "anywhere": ANYWHER
 _REFUSED = {
     column: frozenset(part for part in PARTS if VERDICTS[part, column] == REFUSED) for column in COLUMNS
 }  # fmt: skip
+_PAIRS = {
+    column: [
+        {one, other} for (one, other, at), (verdict, _) in EXCEPTIONS.items() if (at, verdict) == (column, REFUSED)
+    ]
+    for column in COLUMNS
+}
 
 
 def takes(column: str, parts: Iterable[str]) -> bool:
     """Whether an engine, law or command takes a scene with these parts."""
-    return _REFUSED[column].isdisjoint(parts)
+    if not _REFUSED[column].isdisjoint(parts):
+        return False
+    return not _PAIRS[column] or not any(pair.issubset(parts) for pair in _PAIRS[column])
 
 
 def deciding(*columns: str) -> frozenset[str]:

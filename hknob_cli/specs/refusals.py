@@ -129,12 +129,6 @@ def contradictions(scene: SceneSpec, axes: Axes) -> Faults:
         found.append(
             (places[0], "must be absent where encoder is none: " + EXCEPTIONS["bare", "dead_band", "general"][1])
         )
-    for part in ("hysteresis", "backlash"):
-        if scene.controller or not given(scene, axes, PARTS[part].path):
-            continue
-        if places := given(scene, axes, "wall.damping"):
-            why = EXCEPTIONS[part, "virtual_damping", "general"][1]
-            found.append((places[0], f"must be absent beside {PARTS[part].title}: {why}"))
     if scene.hand and scene.hand.finger:
         for key in ("inertia", "damping", "stiffness"):
             if f"hand.{key}" in axes:

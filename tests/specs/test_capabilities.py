@@ -193,6 +193,30 @@ def test_a_controller_goes_with_what_the_table_says(part: str, starts: str) -> N
     assert not cell.get("complete", False)
 
 
+# Pairs that go together, with the engine of their trials.
+PAIRS = [
+    ("hysteresis", "virtual_damping", "laws"),
+    ("backlash", "virtual_damping", "laws"),
+]
+
+
+@pytest.mark.parametrize(("one", "other", "engine"), PAIRS)
+def test_pairs_are_as_the_table_says(one: str, other: str, engine: str) -> None:
+    source = Source("spec.yaml")
+    source.value = {**merged(deepcopy(BASE), merged(CHANGES[one], CHANGES[other])), "starts": KINDS["phases"]}
+    plan = validate(source)
+    assert isinstance(plan, SweepPlan)
+    parts = parts_of(plan.scene)
+    assert {one, other} <= parts
+    assert engine_of(plan.scene, STARTS["phases"]) == engine
+    cell = SweepStage(plan, jobs=1).run().cells.to_pylist()[0]
+    if verdict_of(parts, engine)[0] == PROVEN:
+        assert cell["certified_fraction"] == 1.0
+        assert not_proven(plan) == []
+    else:
+        assert not_proven(plan) != []
+
+
 @pytest.mark.long
 @pytest.mark.drawn(3)
 @pytest.mark.parametrize("starts", ["one", "ranges"])

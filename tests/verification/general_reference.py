@@ -666,7 +666,7 @@ def simulate(
             z = friction.z = (z[0] * (1 + nudge), z[1] * (1 + nudge), *z[2:])
         measured = control.measured(z[KNOB])
         if control.hysteresis:
-            trial.relays = trial.relays or Relays(control, z[KNOB])
+            trial.relays = trial.relays or Relays(control, z[KNOB], everywhere=control.damping > 0)
             for angle in friction.turns if i else []:
                 trial.relays.see(angle, i, turn=True)
             trial.relays.see(z[KNOB], i, turn=False)

@@ -30,7 +30,7 @@ class Firmware:
         plain = {name: part for name, part in scene.items() if name != "controller"}
         self.control = control
         self.rig = Rig(plain, rate_hz, counts, mp.mpf, magnetic_damping(scene))
-        self.law: Law = law_of(self.rig, scene["controller"])
+        self.law: Law = law_of(self.rig, scene.get("controller"))
         self.before: Any = None
         self.step = float("inf")  # least distance of a torque to where the D/A converter rounds it otherwise, N m
 
@@ -194,8 +194,8 @@ def periodic_wave(
     if energy is not None:
         firmware.law.energy = energy
     n = len(shown)
-    law, actuator = scene["controller"], scene.get("actuator") or {}
-    least = LEAST[law["kind"] == "phase_damping"] + n + law.get("window", 1)
+    law, actuator = scene.get("controller") or {}, scene.get("actuator") or {}
+    least = LEAST[law.get("kind") == "phase_damping"] + n + law.get("window", 1)
     if "cut_off" in law or actuator.keys() & {"torque_step", "torque_limit", "dead_band"}:
         # Torques may come back to the digit long before the memory does: it is given its time.
         fades = law.get("low_pass") or law.get("time_constant") or 2.0 / law.get("bandwidth", float("inf"))

@@ -38,7 +38,7 @@ from hknob_cli.engine.outcome import Outcome
 from hknob_cli.errors import SpecError
 from hknob_cli.measure.general_orbit import GeneralMeasurer, LawMeasurer
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
-from hknob_cli.specs.capabilities import parts_of
+from hknob_cli.specs.capabilities import TRIALS, engine_of, parts_of
 from hknob_cli.specs.electrical import reduced
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.plan import SweepPlan
@@ -248,7 +248,7 @@ def follow(one: Case) -> Followed:
     plain = reduced(SceneSpec.model_validate(one.scene).plain())
     made = None
     engine: GeneralEngine
-    if plain.controller:
+    if engine_of(plain, TRIALS) == "laws":
         assert one.counts
         made = make_law(plain, sample_rate_hz=one.rate_hz, counts_per_rev=one.counts)
         knob, rate, engine = made.knob, made.rate, LawEngine(made.law, compiled("laws"))

@@ -18,6 +18,7 @@ from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import AT_KNOB, FINGER, START, TRAJECTORY, axis_column
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
 from hknob_cli.scene.unsampled_knob import reduce_unsampled
+from hknob_cli.specs.capabilities import TRIALS, engine_of
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import (
     COUNTS,
@@ -113,7 +114,7 @@ def _instants(plan: SweepPlan, scene: Scene, cell: Cell, trial: int, angle: floa
     counts = int(cell[COUNTS]) if COUNTS in cell else None
     if not scene.sampled:
         return _unsampled(plan, scene, counts, angle)
-    if scene.controller:
+    if engine_of(scene, TRIALS) == "laws":
         return _with_law(plan, cell, trial, angle)
     knob = sample_general(scene, sample_rate_hz=cell[RATE], counts_per_rev=counts)
     phase = (trial + 0.5) / plan.starts.phases
