@@ -71,7 +71,7 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
         drifts=control.drifts,
         senses=control.senses_speed,
         provable=fading.fade < 1.0
-        and not (control.senses_speed and (body.friction > 0.0 or knob.wall.hysteresis > 0.0)),
+        and not (control.senses_speed and (body.friction > 0.0 or body.play > 0.0 or knob.wall.hysteresis > 0.0)),
         cuts=control.cuts,
         unproven=CYCLE_EXPANDS if control.senses_speed else CYCLE_NOT_AFFINE,
         watch=knob.wall._replace(damping=1.0 if outside else 0.0),

@@ -49,7 +49,10 @@ GENERAL = (
 # The general loop under a controller; the law itself is compiled by itself (`compiled_law`).
 LAWS = (
     *GENERAL,
-    *(f"general.laws.{name}" for name in ("step", "cascade", "sensed", "period", "rest", "follow", "trials")),
+    *(
+        f"general.laws.{name}"
+        for name in ("law", "step", "cascade", "sensed", "parting", "period", "rest", "follow", "trials")
+    ),
 )
 SETS = (
     *MOTION,

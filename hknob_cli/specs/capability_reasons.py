@@ -33,7 +33,6 @@ WHY = {
     ("unsampled", "bounces"): "energy does not grow",
     ("unsampled", "laws"): "it acts at samples",
     ("bare", "laws"): "what it remembers is followed from count to count",
-    ("play", "laws"): "its torques are bounded only while teeth stay on one flank",
     ("bare", "bounces"): "its engine reads counts",
     ("controller", "bounces"): "growth is of the plain wall",
     ("unsampled", "ranges"): "states in ranges are those at a sample",

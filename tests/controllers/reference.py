@@ -26,7 +26,7 @@ class Rig:
 
     scene: dict[str, Any]
     rate_hz: float
-    counts: int
+    counts: Any  # of a revolution of the knob
     number: Callable[..., Any] = float
     braked: Any = 0.0
     _holds: dict[Any, Any] = field(default_factory=dict)

@@ -197,6 +197,8 @@ def test_a_controller_goes_with_what_the_table_says(part: str, starts: str) -> N
 PAIRS = [
     ("hysteresis", "virtual_damping", "laws"),
     ("backlash", "virtual_damping", "laws"),
+    ("controller", "play", "laws"),
+    ("estimated_speed", "play", "laws"),
 ]
 
 

@@ -164,10 +164,6 @@ FINGER = {
             "scene.gear.backlash: must be 0 beside a continuous",
         ),
         ((PLAY, {"grid": {"gear.motor_coulomb_torque": [0.0, 1e-5]}}), "scene.gear.backlash: must be 0 beside Coulomb"),
-        (
-            (PLAY, {"scene": {"controller": {"kind": "bounded_lag"}}}),
-            "scene.gear.backlash: must be absent where a cont",
-        ),
         ((GEARED, {"scene": {"detents": {"per_revolution": 12, "torque": 0.002}}}), "scene.detents: must be absent"),
         ((GEARED, {"grid": {"gear.mesh_damping": [1e-3]}}), 'grid["gear.mesh_damping"]: must be absent where the gear'),
         ((STIFF, {"scene": {"gear": {"motor_inertia": 0.0}}}), "scene.gear: must have a motor_inertia > 0"),

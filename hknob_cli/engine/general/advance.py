@@ -85,7 +85,7 @@ def rub_columns(z, u, span, s, g, f, body, pad, cols, command, count, width, mar
     (s, g, f): coefficients of second order over ``span``; ``command``: where ``cols`` has the derivatives of ``u``.
     The columns follow the motion through its events (Leine & Nijmeijer 2004, sec. 7). ``marks`` keeps the least
     distance of a torque from the friction level where that decides [0], and of a velocity from zero at the end of a
-    hold [1].
+    hold [1]; `play_columns` has one more.
     """
     if body.play > 0.0:
         play_columns(z, u, span, body, pad, cols, command, count, width, marks)

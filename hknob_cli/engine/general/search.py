@@ -106,7 +106,7 @@ def make_space(order: int, delay: int, zeros: Callable[[int], Any]) -> Space:
         width=width,
         pad=zeros(2 * order),
         cols=zeros(width * (width + 2)),
-        marks=zeros(2),
+        marks=zeros(3),
         matrix=zeros(2 * width * width),
         power=zeros(width * width),
         total=zeros(width * width),

@@ -221,7 +221,7 @@ def meet(z, side, cols, count, width, body):
 def play_columns(z, u, span, body, pad, cols, command, count, width, marks):
     """As `advance.rub_columns`, from flank to flank.
 
-    ``marks[0]`` keeps the least torque of the mesh; below 0 where teeth have parted.
+    ``marks[2]`` keeps the least torque of the mesh; below 0 where teeth have parted.
     """
     left = span
     side = flank(z, body)
@@ -229,7 +229,7 @@ def play_columns(z, u, span, body, pad, cols, command, count, width, marks):
     while left > 0.0:
         t, ended, least = press(z, u, side, 0, left, fresh, body, pad)
         spread_many(cols, command, count, width, t, side, body, pad)
-        marks[0] = min(marks[0], least if side != 0 else -1.0)
+        marks[2] = min(marks[2], least if side != 0 else -1.0)
         left -= t
         if not ended:
             break
