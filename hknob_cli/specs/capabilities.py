@@ -236,7 +236,6 @@ EXCEPTIONS = {
     **{
         (part, "play", "general"): (REFUSED, why)
         for part, why in (
-            ("friction", "one kind of events is followed at a time, teeth that part or a motor that sticks"),
             ("hysteresis", "turning points of the count are not followed from flank to flank"),
             ("backlash", "turning points of the count are not followed from flank to flank"),
             ("bare", "what is proven of teeth on one flank rests on counts"),

@@ -57,7 +57,6 @@ def _play_contradictions(scene: SceneSpec, axes: Axes) -> Iterator[tuple[Place, 
         return
     place = ("grid", "gear.backlash") if "gear.backlash" in axes else ("scene", "gear", "backlash")
     beside = {
-        "friction": any(axes.get("gear.motor_coulomb_torque", [gear.motor_coulomb_torque])),
         "bare": scene.encoder == "none",
     }
     for part in ("hysteresis", "backlash"):

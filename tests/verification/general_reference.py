@@ -355,7 +355,12 @@ class Friction:
                 self.z = (then[KNOB], mp.zero, *then[2:])
                 self.stops += 1
                 self.turns.append(then[KNOB])
-            if self.z[SPEED] == 0 and (turned or sprung):
+                self._start()
+                self.sticks += self.mode == STUCK
+            elif turned:
+                self.releases += 1
+                self.mode = UP if self._sum() > 0 else DOWN
+            elif self.mode == STUCK:
                 self._start()
 
     def _acting(self) -> Bodies:

@@ -10,14 +10,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hknob_cli.engine.general.search import as_arrays
+from hknob_cli.engine.general.controller import read
+from hknob_cli.engine.general.interval import advance, advance_columns
+from hknob_cli.engine.general.search import GeneralEngine, as_arrays, make_space
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome, Reason
-from hknob_cli.measure.general_orbit import RATTLE, LawMeasurer
+from hknob_cli.measure.general_orbit import RATTLE, GeneralMeasurer, LawMeasurer
+from hknob_cli.scene.general_knob import sample_general
+from hknob_cli.scene.trial import simulate
+from hknob_cli.specs.electrical import reduced
+from hknob_cli.specs.scene import SceneSpec
 from tests.controllers.laws import EVERY
 
+from . import general_reference as reference
 from .law_scenes import Drawn, reduce, search
-from .test_laws_in_the_general_loop import check_orbit, check_trial
+from .test_laws_in_the_general_loop import CLEAR, WITHIN, check_orbit, check_trial
 
 GEAR: dict[str, Any] = {
     "ratio": 7.4,
@@ -120,3 +127,115 @@ def test_chaos_beside_a_controller_is_what_two_motions_do(controller: str, push:
     assert total / RATTLE * 1000.0 == pytest.approx(
         measured.parting_per_s, abs=2.5 + 0.01 * abs(measured.parting_per_s)
     )
+
+
+def rubbed(level: float, *, push: float = 3e-4, rate_hz: float = 1000.0, **more: Any) -> Drawn:
+    """As `geared` without a controller, with friction of the motor, N·m at its shaft."""
+    return geared("", push=push, rate_hz=rate_hz, motor_coulomb_torque=level, **more)
+
+
+RUBBED = [
+    rubbed(2e-5),
+    rubbed(1e-4, push=2e-3),
+    rubbed(5e-6, mesh_damping=2e-4),
+    rubbed(3e-5, mesh_damping=0.0, actuator={"time_constant": 2e-4}),
+    rubbed(2e-5, stiffness=1.0, actuator={"delay_samples": 0.4}),
+    rubbed(2e-5, hand=FIRM, rate_hz=500.0),
+]
+
+
+PARTED = [True, False, True, True, True, False]
+
+
+@pytest.mark.parametrize(("one", "parts"), list(zip(RUBBED, PARTED, strict=True)))
+def test_trials_beside_friction(one: Drawn, parts: bool) -> None:
+    """The motor turns round or sticks in all of them, and teeth part in most."""
+    samples = 60
+    arguments = {"sample_rate_hz": one.rate_hz, "counts_per_rev": one.counts, "angle_rad": 0.02, "phase": 0.37}
+    expected = reference.simulate(one.scene, **arguments, velocity_rad_s=-0.5, samples=samples)
+    friction = expected.friction
+    assert expected.edge > CLEAR * float(expected.control.quantum)
+    assert friction.closest > 1e-9
+    assert (friction.parted > 0) == parts
+    assert friction.stops > 0
+    plain = reduced(SceneSpec.model_validate(one.scene).plain())
+    found = simulate(plain, **arguments, velocity_rad_s=-0.5, samples=samples)
+    angles = np.array([float(sample.angle) for sample in expected.samples])
+    assert np.abs(found.angle_rad - angles).max() <= WITHIN * np.abs(angles).max()
+
+
+def general(one: Drawn, **more: Any) -> tuple[Any, GeneralEngine, Any]:
+    """Cell, engine and ends of a scene without a controller."""
+    plain = reduced(SceneSpec.model_validate(one.scene).plain())
+    knob = sample_general(plain, sample_rate_hz=one.rate_hz, counts_per_rev=one.counts)
+    engine = GeneralEngine(compiled("general"))
+    start = knob.start(0.02, 0.0)
+    found = engine.search(
+        *(knob.body, knob.wall, start), rate=knob.rate, phases=6, delay_line=knob.delay_line, max_samples=2**14, **more
+    )
+    return knob, engine, found.attractors
+
+
+def test_what_a_motor_that_rubs_comes_to() -> None:
+    """Energy balances in cycles through the play and on one flank; a rest is one in which no torque is too large."""
+    reasons, rests = set(), 0
+    for level in (1e-6, 1e-5, 5e-5):
+        for push in (1e-4, 1e-3):
+            one = rubbed(level, push=push, mesh_damping=2e-2)
+            knob, engine, ends = general(one)
+            for end in ends:
+                rests += end.outcome is Outcome.REST and end.certified
+                if end.outcome is not Outcome.CYCLE:
+                    continue
+                measured = GeneralMeasurer(knob, engine).measure(end)
+                reasons.add(end.reason)
+                lost = measured.damping_loss_j + measured.friction_loss_j
+                assert measured.wall_work_j == pytest.approx(lost, rel=1e-9)
+                assert measured.friction_loss_j > 0.0
+    assert {Reason.PARTS, Reason.NONE} <= reasons
+    assert rests
+
+
+def test_friction_on_one_flank_is_that_of_the_gear_without_backlash() -> None:
+    found = []
+    for backlash in (0.0, 0.005, 0.5):
+        knob, engine, ends = general(rubbed(1e-5, push=2e-3, mesh_damping=2e-2, backlash=backlash))
+        cycles = [end for end in ends if end.outcome is Outcome.CYCLE and end.certified]
+        measured = [GeneralMeasurer(knob, engine).measure(end) for end in cycles]
+        found.append([(end.period, each.p2p_rad) for end, each in zip(cycles, measured, strict=True)])
+    assert found[0]
+    for other in found[1:]:
+        assert np.array(other) == pytest.approx(np.array(found[0]), rel=1e-9)
+
+
+@pytest.mark.parametrize("level", [0.0, 5e-6, 2e-5])
+def test_the_derivative_goes_through_every_event(level: float) -> None:
+    """Against central differences, of states 1e-6 apart: their error is some 1e-6 of a derivative, of a few samples."""
+    one = rubbed(level, mesh_damping=2e-3)
+    plain = reduced(SceneSpec.model_validate(one.scene).plain())
+    knob = sample_general(plain, sample_rate_hz=one.rate_hz, counts_per_rev=one.counts)
+    body, pad, compared, asked = knob.body, [0.0] * 8, 0, 0
+    space = make_space(4, 0, lambda count: [0.0] * count)
+    z, before = knob.start(0.02, -0.5), read(knob.start(0.02, -0.5)[0], knob.wall)
+    for _ in range(60):
+        state, now = list(z), before
+        for c in range(4):
+            for i in range(space.width):
+                space.cols[c * space.width + i] = float(i == c)
+        marks = [np.inf] * 3
+        before, _ = advance_columns(z, now, [], 0, body, knob.wall, pad, space.cols, 4, space.width, marks)
+        slopes = np.array([[space.cols[c * space.width + i] for c in range(4)] for i in range(4)])
+        ends = []
+        for c in range(4):
+            pair = []
+            for nudge in (1e-6, -1e-6):
+                other = list(state)
+                other[c] += nudge
+                advance(other, now, [], 0, body, knob.wall, pad)
+                pair.append(np.array(other))
+            ends.append((pair[0] - pair[1]) / 2e-6)
+        if state[1] != 0.0 and min(marks[:2]) > 1e-4:  # else a neighbour may stick where this one turns
+            compared += np.abs(np.array(ends).T - slopes).max() < 1e-4 * np.abs(slopes).max()
+            asked += 1
+    assert compared >= asked - 2  # a neighbour may meet a flank that this motion just misses
+    assert asked >= 30

@@ -7,6 +7,9 @@ c o', where teeth meet; where they part it is 0 on both sides. So there are thre
 of o, or of the torque. As in `slide_many` a step is halved until each can be shown to keep its sign in it or to be
 monotone: second derivatives are bounded by the energy of the rates, which never grows within a mode.
 
+With friction the motor slides, one way or the other, or is held: each flank has three modes. What ends one is a zero of
+the motor's speed, or of what friction lacks to hold it, beside those of the teeth.
+
 A difference of two motions keeps its direction where teeth part; where they meet, the rates jump by -c o' in the mesh,
 and the difference by -c times its own part in d, however fast they meet (Leine & Nijmeijer 2004, sec. 7).
 """
@@ -16,19 +19,26 @@ from math import floor, sqrt
 from hknob_cli.engine.general.body import (
     CONSTANT,
     CONSTANT_HELD,
+    CONSTANT_STUCK,
     ENTRY,
     HALVES,
     HALVES_HELD,
     HALVINGS,
     HELD,
     RATES,
+    STUCK,
+    STUCK_HALVES,
+    coil_at,
     norm_at,
 )
-from hknob_cli.engine.general.columns import spread_many
-from hknob_cli.engine.general.slide_many import FINEST, SHORTEST, accept, sliding_bound, stretch
+from hknob_cli.engine.general.columns import spread_by, spread_many, turn_round
+from hknob_cli.engine.general.slide_many import FINEST, SHORTEST, accept, held_bound, sliding_bound, stretch
+from hknob_cli.engine.general.slide_two import way
 
 APART = 2  # modes of a piece that is written down, by the sign of the speed: 1 on the wall's flank, 2 on none,
-BACK = 3  # and 3 on the other
+BACK = 3  # and 3 on the other; with a motor that friction holds 0,
+STUCK_APART, STUCK_BACK = 4, 5  # and these
+TURNED, SPRUNG = 1, 2  # ends of a mode: of the motor's way, and of what teeth did
 
 
 def overlap(d, side, body):
@@ -53,12 +63,27 @@ def flank(z, body):
     return -1 if touches(z, 0, -1, body) else 0
 
 
-def teeth_rate(z, u, side, body, out):
-    """Rate of the state under the command ``u``, on a flank or on none."""
+def teeth_rate(z, u, side, toward, body, out):
+    """Rate of the state under the command ``u``, on a flank or on none.
+
+    ``toward``: sign of the motor's speed, against which friction acts; 0 where there is none, or where it holds.
+    """
     n = body.order
+    if toward == 0 and body.friction > 0.0:
+        matrix = (STUCK + (1 if side == 0 else 0)) * n * n
+        for i in range(n):
+            total = body.vectors[CONSTANT_STUCK * n + i]
+            for j in range(n):
+                total += body.matrices[matrix + i * n + j] * z[j]
+            out[i] = total
+        if side < 0:
+            out[3] -= body.ratio * body.pad_stiffness * body.play
+        if body.lag > 0.0:
+            out[n - 1] += body.lag * u
+        return
     matrix = (HELD if side == 0 else RATES) * n * n
     vector = (CONSTANT_HELD if side == 0 else CONSTANT) * n
-    command = 0.0 if body.lag > 0.0 else u
+    command = (0.0 if body.lag > 0.0 else u) - toward * body.friction
     for i in range(n):
         total = body.vectors[vector + i] + body.vectors[ENTRY * n + i] * command
         for j in range(n):
@@ -70,6 +95,28 @@ def teeth_rate(z, u, side, body, out):
         out[3] -= (1.0 + body.ratio) * away
     if body.lag > 0.0:
         out[n - 1] += body.lag * u
+
+
+def teeth_pull(z, at, u, side, body):
+    """Acceleration of the motor without friction, on a flank or on none."""
+    n = body.order
+    matrix = (HELD if side == 0 else RATES) * n * n
+    total = body.vectors[(CONSTANT_HELD if side == 0 else CONSTANT) * n + 1]
+    if body.lag == 0.0:
+        total += u
+    for j in range(n):
+        total += body.matrices[matrix + n + j] * z[at + j]
+    if side < 0:
+        total -= body.pad_stiffness * body.play
+    return total
+
+
+def direction(z, u, side, body):
+    """Sign of the motor's speed from here on; 0 where friction holds it."""
+    pull = teeth_pull(z, 0, u, side, body)
+    if body.friction > 0.0:
+        return way(z[1], pull, body.friction)
+    return 1 if z[1] > 0.0 or (z[1] == 0.0 and pull > 0.0) else -1
 
 
 def keeps_sign(value, slope, bound, h):
@@ -94,9 +141,23 @@ def seen(z, pad, side, h, pace, twist, body):
     return 1 if abs(slope) > twist * h else 0
 
 
-def told(z, pad, side, toward, h, pace, twist, jerk, body):
+def stuck_told(z, u, pad, side, h, body):
+    """Whether it can be told what becomes of a motor that friction holds within ``h``: nothing, or a release, once."""
+    n = body.order
+    matrix = (HELD if side == 0 else RATES) * n * n
+    slope = 0.0
+    for j in range(n):
+        slope += body.matrices[matrix + n + j] * pad[j]
+    bound = held_bound(pad, body)
+    value = body.friction - abs(teeth_pull(z, 0, u, side, body))
+    return keeps_sign(value, -abs(slope), bound, h) or abs(slope) > bound * h
+
+
+def told(z, u, pad, side, toward, h, pace, twist, jerk, body):
     """Whether at most one thing happens within ``h``, and once: the mode ends, or the motor turns round."""
-    if toward != 0 and not keeps_sign(toward * z[1], toward * pad[1], jerk, h):
+    if toward == 0 and body.friction > 0.0:
+        turning = stuck_told(z, u, pad, side, h, body)
+    elif toward != 0 and not keeps_sign(toward * z[1], toward * pad[1], jerk, h):
         turning = abs(pad[1]) > jerk * h
     else:
         turning = True
@@ -107,14 +168,24 @@ def told(z, pad, side, toward, h, pace, twist, jerk, body):
     return turning and one > 0 and other > 0 and one + other > 2
 
 
-def over_now(pad, side, toward, body):
-    """Whether the state in the second half of ``pad`` is past the end of a mode, or past a turning point."""
+def teeth_over(z, at, side, body):
+    """Whether the state that begins at ``z[at]`` is past the end of what teeth did: they have parted, or met."""
+    if side != 0:
+        return pressing(z, at, side, body) < 0.0
+    return touches(z, at, 1, body) or touches(z, at, -1, body)
+
+
+def over_now(pad, u, side, toward, body):
+    """Which end of a mode the state in the second half of ``pad`` is past; 0 of none.
+
+    `TURNED`: a turning point, or the release of a motor that friction holds; else `SPRUNG`.
+    """
     n = body.order
     if toward != 0 and pad[n + 1] * toward < 0.0:
-        return True
-    if side != 0:
-        return pressing(pad, n, side, body) < 0.0
-    return touches(pad, n, 1, body) or touches(pad, n, -1, body)
+        return TURNED
+    if toward == 0 and body.friction > 0.0 and abs(teeth_pull(pad, n, u, side, body)) > body.friction:
+        return TURNED
+    return SPRUNG if teeth_over(pad, n, side, body) else 0
 
 
 def least_torque(z, pad, side, h, twist, body):
@@ -132,17 +203,20 @@ def least_torque(z, pad, side, h, twist, body):
 
 
 def press(z, u, side, toward, left, fresh, body, pad):
-    """Move ``z`` on one flank, or on none, until that ends or ``left`` is over: ``(time, whether it ended, least)``.
+    """Move ``z`` on one flank, or on none, until that ends or ``left`` is over: ``(time, end of `over_now`, least)``.
 
-    ``toward``: sign of the motor's speed where its turning points end the motion, too; else 0. ``fresh``: whether it
+    ``toward``: sign of the motor's speed where its turning points end the motion, too; else 0. With friction it is 0
+    where that holds the motor, until it is released. ``fresh``: whether it
     begins where another has ended: what is then too near to be told is taken after 2^-20 of a sample. An end is left
     past it, by the last bit of a sample period. ``least``: bound from below on the torque of the mesh, on a flank.
     """
     n = body.order
-    total, least = 0.0, float("inf")
+    total, least, carried = 0.0, float("inf"), float("inf")
     half = 0
     left = floor(left * FINEST) / FINEST
     table = HALVES_HELD if side == 0 else HALVES
+    if toward == 0 and body.friction > 0.0:
+        table = STUCK_HALVES + (HALVINGS if side == 0 else 0)
     root = sqrt(body.ratio)
     own = body.ratio * sqrt(body.pad_stiffness) + body.pad_damping * body.ratio * (1.0 + root)
     own += body.finger_damping * root + sqrt(body.finger_stiffness * body.ratio)
@@ -151,40 +225,45 @@ def press(z, u, side, toward, left, fresh, body, pad):
         while h > left:
             half += 1
             h *= 0.5
-        teeth_rate(z, u, side, body, pad)
+        teeth_rate(z, u, side, toward, body, pad)
         size = norm_at(pad, 0, body)
         pace, jerk = size * (1.0 + root), sliding_bound(pad, 0, body)
         twist = body.pad_stiffness * pace + body.pad_damping * (jerk + own * size)
         deepest = SHORTEST if fresh else HALVINGS - 1
-        clear = told(z, pad, side, toward, h, pace, twist, jerk, body)
+        clear = told(z, u, pad, side, toward, h, pace, twist, jerk, body)
         while not clear and half < deepest:
             half += 1
             h *= 0.5
-            clear = told(z, pad, side, toward, h, pace, twist, jerk, body)
+            clear = told(z, u, pad, side, toward, h, pace, twist, jerk, body)
         stretch(z, pad, table + half, body)
-        ended = over_now(pad, side, toward, body)
-        if ended and (clear or not fresh):
+        ended = over_now(pad, u, side, toward, body)
+        if side != 0:
+            carried = least_torque(z, pad, side, h, twist, body)
+        if ended > 0 and (clear or not fresh):
             for deeper in range(half + 1, HALVINGS):
-                teeth_rate(z, u, side, body, pad)
+                teeth_rate(z, u, side, toward, body, pad)
                 stretch(z, pad, table + deeper, body)
-                if not over_now(pad, side, toward, body):
+                sooner = over_now(pad, u, side, toward, body)
+                if sooner > 0:
+                    ended = sooner
+                else:
                     accept(z, pad, n)
                     total += 0.5**deeper
-            teeth_rate(z, u, side, body, pad)
+            teeth_rate(z, u, side, toward, body, pad)
             stretch(z, pad, table + HALVINGS - 1, body)
             accept(z, pad, n)
-            return total + 0.5 ** (HALVINGS - 1), True, -1.0
+            return total + 0.5 ** (HALVINGS - 1), ended, -1.0 if ended == SPRUNG else min(least, carried)
         if side != 0:
-            least = min(least, least_torque(z, pad, side, h, twist, body))
+            least = min(least, carried)
         accept(z, pad, n)
         total += h
         left -= h
         fresh = False
-        if ended:
-            return total, True, -1.0
+        if ended > 0:
+            return total, ended, -1.0 if ended == SPRUNG else least
         if half > 0:
             half -= 1
-    return total, False, least
+    return total, 0, least
 
 
 def next_flank(z, side, body):
@@ -194,17 +273,35 @@ def next_flank(z, side, body):
     return 1 if z[2] > -0.5 * body.play else -1
 
 
+def pass_end(z, u, side, toward, end, body):
+    """Flank, and direction, after a mode has ended at ``z``, whose speed is 0 where it has turned round."""
+    if body.friction == 0.0:
+        if toward != 0 and z[1] * toward < 0.0:
+            z[1] = 0.0
+        else:
+            side = next_flank(z, side, body)
+        return side, 0 if toward == 0 else direction(z, u, side, body)
+    if end == SPRUNG:
+        side = next_flank(z, side, body)
+    elif toward == 0:  # released, though rounding may say otherwise
+        return side, 1 if teeth_pull(z, 0, u, side, body) > 0.0 else -1
+    else:
+        z[1] = 0.0
+    return side, direction(z, u, side, body)
+
+
 def play_many(z, u, span, body, pad):
     """Move ``z`` over any time up to a sample period from flank to flank."""
     left = span
     side = flank(z, body)
-    fresh = False
+    toward = direction(z, u, side, body) if body.friction > 0.0 else 0
+    fresh = toward != 0 and z[1] == 0.0
     while left > 0.0:
-        t, ended, _ = press(z, u, side, 0, left, fresh, body, pad)
+        t, ended, _ = press(z, u, side, toward, left, fresh, body, pad)
         left -= t
-        if not ended:
+        if ended == 0:
             break
-        side = next_flank(z, side, body)
+        side, toward = pass_end(z, u, side, toward, ended, body)
         fresh = True
 
 
@@ -218,25 +315,67 @@ def meet(z, side, cols, count, width, body):
         cols[c * width + 3] -= (1.0 + body.ratio) * jump
 
 
+def meet_with_friction(z, u, side, before, toward, cols, count, width, body):
+    """As `meet`, of a motor that friction holds before or after; ``before``, ``toward``: its direction."""
+    if not side * z[3] > 0.0:
+        return
+    pull = 0.0 if toward == 0 else (teeth_pull(z, 0, u, side, body) - toward * body.friction) / z[3]
+    for c in range(count):
+        jump = body.pad_damping * cols[c * width + 2]
+        own = -jump if before != 0 else pull * cols[c * width + 2]
+        cols[c * width + 1] += own
+        cols[c * width + 3] += own - body.ratio * jump
+
+
+def spread_teeth(cols, command, count, width, span, side, toward, body, pad):
+    """Move the columns over ``span`` in one mode."""
+    if toward == 0 and body.friction > 0.0:
+        apart = 1 if side == 0 else 0
+        halves = STUCK_HALVES + apart * HALVINGS
+        spread_by(cols, command, count, width, span, STUCK + apart, halves, False, body, pad)
+    else:
+        spread_many(cols, command, count, width, span, side, body, pad)
+
+
 def play_columns(z, u, span, body, pad, cols, command, count, width, marks):
-    """As `advance.rub_columns`, from flank to flank.
+    """As `advance.rub_columns`, from flank to flank, with its ``marks``.
 
     ``marks[2]`` keeps the least torque of the mesh; below 0 where teeth have parted.
     """
     left = span
     side = flank(z, body)
-    fresh = False
+    rubs = body.friction > 0.0
+    toward = direction(z, u, side, body) if rubs else 0
+    fresh = toward != 0 and z[1] == 0.0
+    if rubs and z[1] == 0.0:
+        marks[0] = min(marks[0], abs(abs(teeth_pull(z, 0, u, side, body)) - body.friction))
     while left > 0.0:
-        t, ended, least = press(z, u, side, 0, left, fresh, body, pad)
-        spread_many(cols, command, count, width, t, side, body, pad)
+        t, ended, least = press(z, u, side, toward, left, fresh, body, pad)
+        spread_teeth(cols, command, count, width, t, side, toward, body, pad)
         marks[2] = min(marks[2], least if side != 0 else -1.0)
         left -= t
-        if not ended:
+        if ended == 0:
             break
-        side = next_flank(z, side, body)
+        before, ago = toward, side
+        side, toward = pass_end(z, u, side, toward, ended, body)
         fresh = True
-        if side != 0:
-            meet(z, side, cols, count, width, body)
+        if not rubs:
+            if side != 0:
+                meet(z, side, cols, count, width, body)
+            continue
+        pull = teeth_pull(z, 0, u, side, body)
+        if z[1] == 0.0 and (before != 0 or side != ago):
+            marks[0] = min(marks[0], abs(abs(pull) - body.friction))
+        if side != ago:
+            if side != 0:
+                meet_with_friction(z, u, side, before, toward, cols, count, width, body)
+        elif before != 0:
+            rate = pull - before * body.friction
+            after = 0.0 if toward == 0 else pull - toward * body.friction
+            if rate != 0.0:
+                turn_round(cols, count, width, (after - rate) / rate, body)
+    if rubs and toward != 0:
+        marks[1] = min(marks[1], abs(z[1]))
 
 
 def flank_room(torque, body):
@@ -246,29 +385,72 @@ def flank_room(torque, body):
     return body.reach * torque / (sqrt(body.pad_stiffness) + body.pad_damping * (1.0 + sqrt(body.ratio)))
 
 
+def held_in_teeth(z, u, body):
+    """Whether friction holds the motor for ever, and the knob settles on the flank, or on none, on which it is now.
+
+    The energy of the knob's motion about where it would settle never grows. It bounds how far the mesh's torque ever
+    gets from what it is there, so that teeth which press there do not part; in the gap it bounds the way.
+    """
+    n = body.order
+    late = abs(z[n - 1] - u) if body.lag > 0.0 else 0.0
+    if body.coil > 0.0:
+        late += body.coil * abs(z[coil_at(body)])
+    side = flank(z, body)
+    drive = body.vectors[CONSTANT_STUCK * n + 3] + body.finger_stiffness * z[0]
+    torque, swing = 0.0, 0.0
+    if side == 0:
+        if body.finger_damping == 0.0 or body.finger_stiffness == 0.0:
+            return False
+        rest = drive / body.finger_stiffness
+        away = z[2] - rest
+        far = sqrt(z[3] * z[3] / body.finger_stiffness + away * away)
+        if not (rest + far < 0.0 and rest - far > -body.play):
+            return False
+    else:
+        stiff = body.ratio * body.pad_stiffness + body.finger_stiffness
+        if body.finger_damping + body.pad_damping == 0.0 or stiff == 0.0:
+            return False
+        if side < 0:
+            drive -= body.ratio * body.pad_stiffness * body.play
+        rest = drive / stiff
+        away = z[2] - rest
+        energy = sqrt(z[3] * z[3] / body.ratio + stiff / body.ratio * away * away)
+        swing = (body.pad_damping * sqrt(body.ratio) + body.pad_stiffness * sqrt(body.ratio / stiff)) * energy
+        torque = side * body.pad_stiffness * overlap(rest, side, body)
+        if not side * torque > swing:
+            return False
+    return abs(u + body.vectors[CONSTANT_HELD * n + 1] - torque) + swing + late <= body.friction
+
+
+def kind_of(side, toward, body):
+    """Mode of a piece that is written down."""
+    if toward == 0 and body.friction > 0.0:
+        return 0 if side > 0 else (STUCK_APART if side == 0 else STUCK_BACK)
+    return toward * (1 if side > 0 else (APART if side == 0 else BACK))
+
+
 def play_chart(z, u, span, body, pad, rows, pieces):
-    """As `trace.chart`, from flank to flank; modes are by the sign of the speed 1, `APART` or `BACK`."""
+    """As `trace.chart`, from flank to flank; modes are by the sign of the speed 1, `APART` or `BACK`.
+
+    Those of a motor that is held are 0, `STUCK_APART` or `STUCK_BACK`.
+    """
     n = body.order
     left = span
     side = flank(z, body)
-    fresh = False
+    toward = direction(z, u, side, body)
+    fresh = body.friction > 0.0 and toward != 0 and z[1] == 0.0
     while left > 0.0 and rows < len(pieces.spans):
         for j in range(n):
             pieces.states[rows * n + j] = z[j]
-        teeth_rate(z, u, side, body, pad)
-        toward = 1 if z[1] > 0.0 or (z[1] == 0.0 and pad[1] > 0.0) else -1
         t, ended, _ = press(z, u, side, toward, left, fresh, body, pad)
         left -= t
-        kind = 1 if side > 0 else (APART if side == 0 else BACK)
         if t > 0.0:
-            pieces.spans[rows], pieces.modes[rows], pieces.commands[rows] = t, toward * kind, u
+            pieces.spans[rows], pieces.commands[rows] = t, u
+            pieces.modes[rows] = kind_of(side, toward, body)
             rows += 1
-        if not ended:
+        if ended == 0:
             break
-        if z[1] * toward < 0.0:
-            z[1] = 0.0
-        else:
-            side = next_flank(z, side, body)
+        side, toward = pass_end(z, u, side, toward, ended, body)
         fresh = True
     for j in range(n):
         pieces.states[rows * n + j] = z[j]

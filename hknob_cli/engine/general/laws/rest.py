@@ -121,8 +121,11 @@ def settles_with_law(z, shown, past, body, wall, law, orbit, away):
         away[2] = stiffness * (rest + body.shift) / body.pad_stiffness
     if body.lag > 0.0:
         away[n - 1] = u
+    torque = body.pad_stiffness * away[2] if body.play > 0.0 else 0.0
     for i in range(n):
         away[i] = z[i] - away[i]
     gap = edge_gap(rest, shown, shown, law.watch)
     reach = distance(away, body) + push + ROUNDINGS * EPSILON * (1.0 + abs(rest) + abs(z[0]))
+    if body.play > 0.0 and not reach < flank_room(torque, body):
+        return MOVING
     return SETTLING if reach < gap else MOVING
