@@ -200,6 +200,8 @@ PAIRS = [
     ("controller", "play", "laws"),
     ("estimated_speed", "play", "laws"),
     ("rubbing_motor", "play", "general"),
+    ("hysteresis", "play", "general"),
+    ("backlash", "play", "general"),
 ]
 
 

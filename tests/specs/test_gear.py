@@ -154,11 +154,6 @@ FINGER = {
         ),
         ((STIFF, {"scene": {"gear": {"backlash": -0.01}}}), "scene.gear.backlash: must be >= 0"),
         (
-            (PLAY, {"scene": {"encoder": {"hysteresis_counts": 0.5}}}),
-            "scene.gear.backlash: must be 0 beside hysteresis",
-        ),
-        ((PLAY, {"scene": {"encoder": {"backlash": 0.01}}}), "scene.gear.backlash: must be 0 beside slack"),
-        (
             (PLAY, {"scene": {"encoder": "none"}, "grid": {COUNTS: None}}),
             "scene.gear.backlash: must be 0 beside a continuous",
         ),

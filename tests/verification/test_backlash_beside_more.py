@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hknob_cli.engine.general.advance import advance_span
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.interval import advance, advance_columns
+from hknob_cli.engine.general.laws.step import advance_with_law, begin_past
 from hknob_cli.engine.general.search import GeneralEngine, as_arrays, make_space
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome, Reason
@@ -150,18 +152,62 @@ PARTED = [True, False, True, True, True, False]
 @pytest.mark.parametrize(("one", "parts"), list(zip(RUBBED, PARTED, strict=True)))
 def test_trials_beside_friction(one: Drawn, parts: bool) -> None:
     """The motor turns round or sticks in all of them, and teeth part in most."""
-    samples = 60
-    arguments = {"sample_rate_hz": one.rate_hz, "counts_per_rev": one.counts, "angle_rad": 0.02, "phase": 0.37}
-    expected = reference.simulate(one.scene, **arguments, velocity_rad_s=-0.5, samples=samples)
+    expected, found = both(one)
     friction = expected.friction
-    assert expected.edge > CLEAR * float(expected.control.quantum)
-    assert friction.closest > 1e-9
     assert (friction.parted > 0) == parts
     assert friction.stops > 0
-    plain = reduced(SceneSpec.model_validate(one.scene).plain())
-    found = simulate(plain, **arguments, velocity_rad_s=-0.5, samples=samples)
     angles = np.array([float(sample.angle) for sample in expected.samples])
-    assert np.abs(found.angle_rad - angles).max() <= WITHIN * np.abs(angles).max()
+    assert np.abs(found - angles).max() <= WITHIN * np.abs(angles).max()
+
+
+HYSTERESIS = [
+    rubbed(0.0, encoder={"hysteresis_counts": 0.5}),
+    rubbed(2e-5, encoder={"hysteresis_counts": 1.3}),
+    rubbed(0.0, encoder={"backlash": 0.003}, stiffness=1.0, mesh_damping=1e-4),
+    rubbed(1e-5, encoder={"hysteresis_counts": 0.3}, actuator={"delay_samples": 0.4, "time_constant": 2e-4}),
+    rubbed(0.0, encoder={"hysteresis_counts": 0.5}, wall={"stiffness": 0.27, "damping": 1e-5}),
+]
+
+
+@pytest.mark.parametrize("one", HYSTERESIS, ids=lambda one: str(HYSTERESIS.index(one)))
+def test_trials_beside_hysteresis(one: Drawn) -> None:
+    """The count goes by the motor's turning points, on any flank and on none."""
+    expected, found = both(one)
+    assert expected.relays is not None
+    assert expected.friction.parted > 0
+    assert sum(turn for _, turn, _, _ in expected.relays.log) >= 3
+    angles = np.array([float(sample.angle) for sample in expected.samples])
+    assert np.abs(found - angles).max() <= WITHIN * np.abs(angles).max()
+
+
+@pytest.mark.parametrize("controller", ["bounded lag", "damping, sensor", "impulse, short"])
+def test_trials_beside_hysteresis_and_a_controller(controller: str) -> None:
+    """With friction of the motor, too."""
+    errors = []
+    for k, level in enumerate((0.0, 1e-5)):
+        one = geared(controller, motor_coulomb_torque=level, encoder={"hysteresis_counts": 0.4 + 0.7 * k})
+        errors.append(check_trial(one))
+    assert np.isfinite(errors).any()
+
+
+def both(one: Drawn, samples: int = 60) -> tuple[Any, np.ndarray]:
+    """A trial of the model, and the package's angles at its samples; no sample is near an edge."""
+    arguments = {"sample_rate_hz": one.rate_hz, "counts_per_rev": one.counts, "angle_rad": 0.02, "phase": 0.37}
+    expected = reference.simulate(one.scene, **arguments, velocity_rad_s=-0.5, samples=samples)
+    assert expected.edge > CLEAR * float(expected.control.quantum)
+    assert expected.friction.closest > 1e-9
+    plain = reduced(SceneSpec.model_validate(one.scene).plain())
+    if one.scene.get("encoder") and one.scene["wall"].get("damping"):
+        made = reduce(one)
+        z, past = made.knob.start(0.02, -0.5), [0.0] * len(made.law.beside)
+        advance_span(z, 0.0, 0.37, made.knob.body, [0.0] * 8)
+        begin_past(past, read(z[0], made.knob.wall), made.law)
+        places = [z[0]]
+        for _ in range(samples):
+            advance_with_law(z, past, made.knob.body, made.knob.wall, made.law, [0.0] * 8)
+            places.append(z[0])
+        return expected, np.array([made.knob.angle_rad(x) for x in places])
+    return expected, simulate(plain, **arguments, velocity_rad_s=-0.5, samples=samples).angle_rad
 
 
 def general(one: Drawn, **more: Any) -> tuple[Any, GeneralEngine, Any]:
@@ -179,9 +225,9 @@ def general(one: Drawn, **more: Any) -> tuple[Any, GeneralEngine, Any]:
 def test_what_a_motor_that_rubs_comes_to() -> None:
     """Energy balances in cycles through the play and on one flank; a rest is one in which no torque is too large."""
     reasons, rests = set(), 0
-    for level in (1e-6, 1e-5, 5e-5):
+    for level, width in ((1e-6, 0.0), (1e-5, 0.0), (5e-5, 0.0), (1e-6, 0.4)):
         for push in (1e-4, 1e-3):
-            one = rubbed(level, push=push, mesh_damping=2e-2)
+            one = rubbed(level, push=push, mesh_damping=2e-2, encoder={"hysteresis_counts": width})
             knob, engine, ends = general(one)
             for end in ends:
                 rests += end.outcome is Outcome.REST and end.certified

@@ -276,7 +276,7 @@ def next_flank(z, side, body):
 def pass_end(z, u, side, toward, end, body):
     """Flank, and direction, after a mode has ended at ``z``, whose speed is 0 where it has turned round."""
     if body.friction == 0.0:
-        if toward != 0 and z[1] * toward < 0.0:
+        if toward != 0 and (end == TURNED or z[1] * toward < 0.0):
             z[1] = 0.0
         else:
             side = next_flank(z, side, body)
