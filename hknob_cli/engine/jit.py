@@ -34,6 +34,7 @@ GENERAL = (
     "general.slide_many",
     "general.columns",
     "general.teeth",
+    "general.flanks",
     "general.advance",
     "general.hysteresis",
     "general.interval",

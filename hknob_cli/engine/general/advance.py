@@ -6,9 +6,9 @@ round or is held, until the other torques exceed the friction level.
 
 from hknob_cli.engine.general.body import acceleration, rate_of
 from hknob_cli.engine.general.columns import spread_many, spread_two, turn_round
+from hknob_cli.engine.general.flanks import play_columns, play_many
 from hknob_cli.engine.general.slide_many import slide_many, stretch
 from hknob_cli.engine.general.slide_two import coefficients, step_with_friction, until_zero, way
-from hknob_cli.engine.general.teeth import play_columns, play_many
 
 FREE = 2  # mode of a motion whose turning points do not matter
 

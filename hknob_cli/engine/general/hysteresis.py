@@ -8,17 +8,9 @@ the count is taken at each of its turning points, which are exact.
 from hknob_cli.engine.general.advance import FREE, advance_hold, next_mode, slide
 from hknob_cli.engine.general.body import HALVES, HALVINGS, acceleration, distance, rate_of
 from hknob_cli.engine.general.controller import edge_gap, read_after
+from hknob_cli.engine.general.flanks import pass_end, play_many
 from hknob_cli.engine.general.slide_two import way
-from hknob_cli.engine.general.teeth import (
-    direction,
-    flank,
-    flank_room,
-    pass_end,
-    play_many,
-    press,
-    pressing,
-    teeth_rate,
-)
+from hknob_cli.engine.general.teeth import direction, flank, flank_room, press, pressing, teeth_rate
 
 STILL = 1e-11  # counts, relative: what moves by less has settled, and meets a velocity of 0 at every rounding
 

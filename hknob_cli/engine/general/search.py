@@ -91,7 +91,7 @@ def torque_range(wall: Controller) -> TorqueRange:
 class PeriodSegments:
     """One period, piece by piece between events; ``m`` pieces, order ``n``.
 
-    ``spans`` (m): length; ``modes`` (m): +1, -1 sliding, 0 held; with teeth that part as `teeth.play_chart` has them;
+    ``spans`` (m): length; ``modes`` (m): +1, -1 sliding, 0 held; with teeth that part as `flanks.kind_of` has them;
     ``commands`` (m): command acting; ``states`` (m + 1, n): state at the start of each piece and at the end.
     """
 
