@@ -191,7 +191,7 @@ _TABLE = {
     "eddy_brake":      "P-PPP PPPPPP PEE~ ~P~E~",
     "gear":            "PEPPP PPPPPP -EE~ ~P~--",
     "mesh":            "--P-P ---P-- -EE~ -----",
-    "play":            "--E-E ------ -E-~ -----",
+    "play":            "--E-E ------ -EE~ -----",
     "squeeze":         "PEPPP PPPPPP PEE~ ~P~--",
     "undamped":        "EEEEE --E--E EEE~ ~E~E-",
     "unheld":          "EEEPE --E--E EEE~ ~E~E-",

@@ -37,7 +37,6 @@ WHY = {
     ("controller", "bounces"): "growth is of the plain wall",
     ("unsampled", "ranges"): "states in ranges are those at a sample",
     ("unsampled", "pulse"): "without a sample clock motions go from edge to edge, and do not stop where a pulse ends",
-    ("play", "pulse"): "the push of a pulse is not split between motor and knob while their teeth part",
     ("unpushed", "bounces"): "nothing brings the knob back to it",
     ("handless", "anywhere"): "nothing draws the knob back",
     **{

@@ -152,7 +152,8 @@ def simulate_law(
     start = (*at, *(at if bodies.finger else (mp.zero, mp.zero)), mp.zero, mp.zero, mp.one, mp.zero)
     motion = Friction(bodies, control.period, start, find_turns=control.hysteresis > 0)
     if pulse:
-        pushed = replace(bodies, bias=bodies.bias - mp.mpf(pulse["torque"]), _kept={})
+        key = "push" if scene.get("gear") else "bias"  # of knob and hand behind a gear, or of the knob
+        pushed = replace(bodies, **{key: getattr(bodies, key) - mp.mpf(pulse["torque"])}, _kept={})
         turns = control.hysteresis > 0
         motion = Pushed(
             pushed, control.period, start, find_turns=turns, after=bodies, release=mp.mpf(pulse["duration"])

@@ -27,6 +27,7 @@ from tests.controllers.laws import EVERY
 from . import general_reference as reference
 from .law_scenes import Drawn, reduce, search
 from .test_laws_in_the_general_loop import CLEAR, WITHIN, check_orbit, check_trial
+from .test_pulse_beside_controllers import check_pulse
 
 GEAR: dict[str, Any] = {
     "ratio": 7.4,
@@ -208,6 +209,25 @@ def both(one: Drawn, samples: int = 60) -> tuple[Any, np.ndarray]:
             places.append(z[0])
         return expected, np.array([made.knob.angle_rad(x) for x in places])
     return expected, simulate(plain, **arguments, velocity_rad_s=-0.5, samples=samples).angle_rad
+
+
+PULSED = [
+    geared("", backlash=0.0),
+    rubbed(2e-5, backlash=0.0),
+    geared(""),
+    rubbed(2e-5, encoder={"hysteresis_counts": 0.5}),
+    geared("bounded lag", actuator={"delay_samples": 0.4}),
+    rubbed(1e-5, actuator={"time_constant": 2e-4}),
+]
+
+
+@pytest.mark.parametrize("one", PULSED, ids=lambda one: str(PULSED.index(one)))
+def test_a_pulse_pushes_the_knob_behind_the_mesh(one: Drawn) -> None:
+    """The motor follows when the teeth meet."""
+    for torque in (0.01, -0.006):
+        samples, moved = check_pulse(one, {"torque": torque, "duration": 3.2 / one.rate_hz})
+        assert samples > 10
+        assert moved > 1e-3
 
 
 def general(one: Drawn, **more: Any) -> tuple[Any, GeneralEngine, Any]:

@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow as pa
 
 from hknob_cli.engine.general.advance import advance_span
-from hknob_cli.engine.general.body import CONSTANT, Body
+from hknob_cli.engine.general.body import CONSTANT, CONSTANT_HELD, CONSTANT_STUCK, Body
 from hknob_cli.engine.general.controller import command, read, read_after
 from hknob_cli.engine.general.hysteresis import turn_and_count
 from hknob_cli.engine.general.search import as_list
@@ -157,10 +157,18 @@ def energy(scene: Scene, push: float, one: Instant) -> float:
     return total + 0.5 * hand.stiffness * one.angle**2
 
 
-def pulsed(body: Body, torque: float) -> Body:
-    """The body with one more constant acceleration of the knob."""
+def pulsed(body: Body, torque: float, *, behind: bool = False) -> Body:
+    """The body with one more constant torque, as an acceleration of what is sensed.
+
+    ``behind``: whether it acts on the knob behind a gear, and not on what is sensed.
+    """
     vectors = list(body.vectors)
     n = body.order
+    if behind:
+        for constant in (CONSTANT, CONSTANT_HELD, CONSTANT_STUCK):
+            if constant * n + 3 < len(vectors):
+                vectors[constant * n + 3] -= body.ratio * torque
+        return body._replace(vectors=vectors)
     vectors[CONSTANT * n + 1] += torque
     if body.ratio > 0.0:
         vectors[CONSTANT * n + 3] += torque
@@ -171,7 +179,8 @@ def _pulse_on(knob: GeneralKnob, record: Record) -> tuple[Body, float] | None:
     """The body while the recording's pulse acts on it, and when that ends, in sample periods; None without one."""
     if not record.pulse:
         return None
-    return pulsed(knob.body, record.pulse.torque / knob.torque_nm), record.pulse.duration / knob.period_s
+    body = pulsed(knob.body, record.pulse.torque / knob.torque_nm, behind=knob.behind)
+    return body, record.pulse.duration / knob.period_s
 
 
 def record_trial(
