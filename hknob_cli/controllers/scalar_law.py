@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.controllers.controller import ControlLaw, Plant, make_control_law
+from hknob_cli.controllers.plain_wall import PlainWall
 from hknob_cli.engine.general.body import ADDED
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.follow import CYCLE_EXPANDS
@@ -31,10 +32,12 @@ class LawKnob(NamedTuple):
 
 
 def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int | None) -> LawKnob:
-    """Reduce a scene with a controller to one cell. Raises `ComputationError` as `general_knob.sample_general`."""
-    assert scene.controller
+    """Reduce a scene to one cell under its controller, or the plain wall as one.
+
+    Raises `ComputationError` as `general_knob.sample_general`.
+    """
     knob = sample_general(scene, sample_rate_hz=sample_rate_hz, counts_per_rev=counts_per_rev, walled=False)
-    control = make_control_law(scene.controller)
+    control = make_control_law(scene.controller) if scene.controller else PlainWall()
     plant = _plant(knob, scene.wall.stiffness)
     fixed, first, fading = control.numbers(plant), control.first(), control.fading(plant)
     rows = len(first)
@@ -72,7 +75,7 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int | None)
         senses=control.senses_speed,
         provable=fading.fade < 1.0
         and not analog
-        and not (control.senses_speed and (body.friction > 0.0 or knob.wall.hysteresis > 0.0)),
+        and not (control.senses_speed and (body.friction > 0.0 or body.play > 0.0 or knob.wall.hysteresis > 0.0)),
         cuts=control.cuts,
         unproven=CYCLE_EXPANDS if control.senses_speed or analog else CYCLE_NOT_AFFINE,
         watch=_watched(knob.wall, outside=outside),

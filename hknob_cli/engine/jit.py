@@ -37,6 +37,7 @@ GENERAL = (
     "general.slide_many",
     "general.columns",
     "general.teeth",
+    "general.flanks",
     "general.advance",
     "general.hysteresis",
     "general.interval",
@@ -52,7 +53,10 @@ GENERAL = (
 # The general loop under a controller; the law itself is compiled by itself (`compiled_law`).
 LAWS = (
     *GENERAL,
-    *(f"general.laws.{name}" for name in ("step", "cascade", "sensed", "period", "rest", "follow", "trials")),
+    *(
+        f"general.laws.{name}"
+        for name in ("law", "step", "cascade", "sensed", "parting", "period", "rest", "follow", "trials")
+    ),
 )
 SETS = (
     *MOTION,

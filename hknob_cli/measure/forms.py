@@ -12,9 +12,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hknob_cli.engine.general.body import CONSTANT, CONSTANT_HELD, ENTRY, HELD, RATES, Body, coil_at
+from hknob_cli.engine.general.body import (
+    CONSTANT,
+    CONSTANT_HELD,
+    CONSTANT_STUCK,
+    ENTRY,
+    HELD,
+    RATES,
+    STUCK,
+    Body,
+    coil_at,
+)
 from hknob_cli.engine.general.search import PeriodSegments
-from hknob_cli.engine.general.teeth import APART, BACK
+from hknob_cli.engine.general.teeth import APART, BACK, STUCK_APART, STUCK_BACK
 from hknob_cli.engine.orbit import forms
 from hknob_cli.engine.orbit.forms import RULE
 
@@ -63,10 +73,22 @@ class Regime(NamedTuple):
 WALL = 1
 
 
+def regime_of(kind: int) -> tuple[bool, int]:
+    """Whether the motor is held, and its teeth, in pieces of a mode of this size."""
+    if kind in (0, STUCK_APART, STUCK_BACK):
+        return True, {STUCK_APART: APART, STUCK_BACK: BACK}.get(kind, WALL)
+    return False, kind
+
+
+def ways(modes: Array) -> Array:
+    """Sign of the speed in pieces of these ``modes`` (m,); 0 where friction holds the knob."""
+    return np.asarray(np.where(np.abs(modes) < STUCK_APART, np.sign(modes), 0.0))
+
+
 def regimes(modes: Array) -> list[Regime]:
     """Which pieces have which generator, from their ``modes`` (m,) as `engine.general.trace` writes them."""
     kinds = np.abs(modes)
-    found = [Regime(kinds == kind, kind == 0, kind or WALL) for kind in (WALL, 0, APART, BACK)]
+    found = [Regime(kinds == kind, *regime_of(kind)) for kind in (WALL, 0, APART, BACK, STUCK_APART, STUCK_BACK)]
     return [one for one in found if one.these.any()]
 
 
@@ -75,18 +97,23 @@ def generator(body: Body, *, held: bool, teeth: int = WALL) -> Array:
     n = body.order
     g = np.zeros((n + 3, n + 3))
     other = held or teeth == APART
-    first, vectors = (HELD if other else RATES) * n * n, np.reshape(body.vectors[: 3 * n], (3, n))
+    matrix, vector = (HELD, CONSTANT_HELD) if other else (RATES, CONSTANT)
+    if held and body.play > 0.0:
+        matrix, vector = STUCK + (teeth == APART), CONSTANT_STUCK
+    first = matrix * n * n
     g[:n, :n] = np.reshape(body.matrices[first : first + n * n], (n, n))
-    g[:n, n] = vectors[CONSTANT_HELD if other else CONSTANT]
+    g[:n, n] = body.vectors[vector * n : (vector + 1) * n]
     if teeth == BACK:
-        g[1, n] -= body.pad_stiffness * body.play
-        g[3, n] -= (1.0 + body.ratio) * body.pad_stiffness * body.play
+        away = body.pad_stiffness * body.play
+        g[1, n] -= 0.0 if held else away
+        g[3, n] -= body.ratio * away if held else (1.0 + body.ratio) * away
+    entry = body.vectors[ENTRY * n : (ENTRY + 1) * n]
     if body.lag > 0.0:
         g[n - 1, n + 1] = body.lag
     elif not held:
-        g[:n, n + 1] = vectors[ENTRY]
+        g[:n, n + 1] = entry
     if not held:
-        g[:n, n + 2] = vectors[ENTRY]
+        g[:n, n + 2] = entry
     return g
 
 
@@ -97,7 +124,7 @@ def piece_starts(body: Body, chart: PeriodSegments) -> Array:
     starts[:, :n] = chart.states[:-1]
     starts[:, n] = 1.0
     starts[:, n + 1] = chart.commands
-    starts[:, n + 2] = -chart.modes * body.friction
+    starts[:, n + 2] = -ways(chart.modes) * body.friction
     return starts
 
 

@@ -22,7 +22,6 @@ from hknob_cli.engine.orbit.leak import find_leak
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.measure.behind import extremes, knob_row, mesh_row
 from hknob_cli.measure.forms import (
-    WALL,
     Array,
     Forms,
     Integrals,
@@ -30,8 +29,10 @@ from hknob_cli.measure.forms import (
     hold_forms,
     integrate,
     piece_starts,
+    regime_of,
     regimes,
     relaxed,
+    ways,
 )
 from hknob_cli.measure.harmonics import Complex, Harmonics, harmonic_count, scaled
 from hknob_cli.measure.orbit import OrbitMeasures, at_rest
@@ -123,9 +124,9 @@ class Turns(NamedTuple):
 
 def find_turns(chart: PeriodSegments) -> Turns:
     """Local maxima and minima of a period; a stretch at which the knob is held counts once."""
-    sliding = np.flatnonzero(chart.modes != 0.0)
-    modes, x = chart.modes[sliding], chart.states[sliding, 0]
-    modes = np.sign(modes)
+    modes = ways(chart.modes)
+    sliding = np.flatnonzero(modes != 0.0)
+    modes, x = modes[sliding], chart.states[sliding, 0]
     turned = modes != np.roll(modes, 1)
     return Turns(maxima=x[turned & (modes < 0.0)], minima=x[turned & (modes > 0.0)])
 
@@ -273,16 +274,17 @@ class GeneralMeasurer:
         """More states: every piece by the integrals over its length."""
         body, n = self.knob.body, self.knob.body.order
         total = np.zeros(4)
-        for i, (span, mode) in enumerate(zip(chart.spans, chart.modes, strict=True)):
+        for i, (span, mode, way) in enumerate(zip(chart.spans, chart.modes, ways(chart.modes), strict=True)):
             key = float(span), int(abs(mode))
-            found = self._integrals.get(key) or integrate(body, key[0], held=key[1] == 0, teeth=key[1] or WALL)
+            held, teeth = regime_of(key[1])
+            found = self._integrals.get(key) or integrate(body, key[0], held=held, teeth=teeth)
             if key[0] in (1.0, self.knob.wall.split, 1.0 - self.knob.wall.split):
                 self._integrals[key] = found
-            zeta = np.concatenate([chart.states[i], [1.0, chart.commands[i], -mode * body.friction]])
+            zeta = np.concatenate([chart.states[i], [1.0, chart.commands[i], -way * body.friction]])
             mean = float(found.mean @ zeta)
             square = float(zeta @ found.square @ zeta) - 2.0 * reference * mean + reference * reference * key[0]
             total += (mean - reference * key[0], square, zeta @ found.loss @ zeta, zeta @ found.power @ zeta)
-            if key[1] == APART:
+            if teeth == APART:
                 total[2] += relaxed(body, float(chart.states[i, 2]), float(chart.states[i + 1, 2]))
         assert n > 2
         return Totals(*(float(value) for value in total))

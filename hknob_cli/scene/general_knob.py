@@ -16,7 +16,7 @@ from hknob_cli.engine.general.torque_table import HEAD, RISE_BELOW, TURN
 from hknob_cli.engine.propagator import hold_coefficients, slowest_rate
 from hknob_cli.engine.turning import zero_spacing
 from hknob_cli.errors import ComputationError
-from hknob_cli.scene.increments import increment, increments, power_series, slowest_decay
+from hknob_cli.scene.increments import halves, increment, increments, power_series, slowest_decay
 from hknob_cli.scene.torque_over_angle import Clock, is_shaped, table_of
 from hknob_cli.specs.parts import SampleClock
 from hknob_cli.specs.plan import Actuator, Bias, Encoder, Hand, Scene
@@ -75,9 +75,10 @@ class GeneralKnob(NamedTuple):
 def sample_general(
     scene: Scene, *, sample_rate_hz: float, counts_per_rev: int | None, walled: bool = True
 ) -> GeneralKnob:
-    """Reduce a scene to one cell. ``walled``: whether a torque over the angle has the wall's in it.
+    """Reduce a scene to one cell. ``walled``: whether the wall's torque is the loop's, and not a law's.
 
-    Raises `ComputationError` if its numbers overflow, or if it rings so often in an interval that nobody waits for it.
+    Raises `ComputationError` if its numbers overflow, if it rings so often in an interval that nobody waits for it, or
+    if the loop without a law does not remember all that it takes.
     """
     actuator = scene.actuator or Actuator()
     encoder = scene.encoder or Encoder()
@@ -115,6 +116,8 @@ def sample_general(
         hysteresis=encoder.width_counts(quantum) if scene.encoder else 0.0,
         clock=_clock(scene.clock) if scene.clock and jitter > 0.0 else None,
     )
+    if walled and wall.hysteresis > 0.0 and wall.damping > 0.0:
+        raise ComputationError("virtual damping beside hysteresis of the encoder is followed under a law")
     body, slowest = make_body(scene, period=period, quantum=quantum, shift=shift, split=split)
     commands = [] if table is None else table[HEAD : HEAD + (len(table) - HEAD) // 3].tolist()
     numbers = [*wall[: wall._fields.index("limit")], wall.band, *commands, body.friction, body.push, body.play]
@@ -197,8 +200,14 @@ def make_body(scene: Scene, *, period: float, quantum: float, shift: float, spli
     if lag:
         a[order - 1, order - 1] = held[order - 1, order - 1] = -lag
         a[:, order - 1] += entry
+    stuck: list[Array] = []
+    stuck_constant = held_constant
     if scene.play:
-        # Nothing is held by friction: the second matrix is that of teeth that do not press.
+        # The second matrix is that of teeth that do not press; what friction holds has its own.
+        if scene.knob.coulomb_torque > 0.0:
+            loose = held.copy()
+            loose[3, :4] = finger.stiffness, 0.0, -finger.stiffness, -finger.damping
+            stuck = [held, loose, halves(held), halves(loose)]
         held, held_constant = a.copy(), c.copy()
         held[1, 2:4] = 0.0
         held[3, 2:4] = -finger.stiffness, -finger.damping
@@ -230,9 +239,11 @@ def make_body(scene: Scene, *, period: float, quantum: float, shift: float, spli
         g2=ones[1][1],
         f2=ones[1][2],
         drive=float(c[1]),
-        matrices=np.concatenate([a.ravel(), held.ravel(), *increments(a, held, split, alpha, beta)]).tolist(),
+        matrices=np.concatenate(
+            [a.ravel(), held.ravel(), *increments(a, held, split, alpha, beta), *(one.ravel() for one in stuck)]
+        ).tolist(),
         terms=len(series) // 2,
-        vectors=np.concatenate([c, held_constant, entry, series]).tolist(),
+        vectors=np.concatenate([c, held_constant, entry, series, stuck_constant if stuck else []]).tolist(),
         play=scene.play / quantum,
         halt=[0.0],
     )
@@ -276,9 +287,9 @@ def _reach(beta: float, finger: _Finger) -> float:
 
 
 def add_spans(body: Body, spans: Sequence[float]) -> Body:
-    """The body with D over more times (sample periods) at the end of its matrices; of second order as it is."""
+    """The body with D over more times (sample periods) at its matrices' end; as it is with play, or two states."""
     n = body.order
-    if n == 2:
+    if n == 2 or body.play > 0.0:
         return body
     a = np.array(body.matrices[: n * n]).reshape(n, n)
     more = [increment(a, span, body.alpha, body.beta).ravel() for span in spans]

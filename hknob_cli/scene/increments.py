@@ -67,13 +67,13 @@ def increments(a: Array, held: Array, split: float, alpha: float, beta: float) -
     """D over both parts of an interval, and, except for second order, D(1), D(1/2), D(1/4), ..., sliding and held."""
     if len(a) == 2:
         return [increment(a, split, alpha, beta).ravel(), increment(a, 1.0 - split, alpha, beta).ravel()]
-    halves = [_halves(a), _halves(held)]
-    whole = halves[0][0] if split == 0.0 else increment(a, 1.0 - split, alpha, beta)
+    both = [halves(a), halves(held)]
+    whole = both[0][0] if split == 0.0 else increment(a, 1.0 - split, alpha, beta)
     first = np.zeros_like(a) if split == 0.0 else increment(a, split, alpha, beta)
-    return [first.ravel(), whole.ravel(), *(part.ravel() for part in halves)]
+    return [first.ravel(), whole.ravel(), *(part.ravel() for part in both)]
 
 
-def _halves(a: Array) -> Array:
+def halves(a: Array) -> Array:
     """D(1), D(1/2), D(1/4), ..., shape (HALVINGS, n, n): the short ones by their series, the rest by doubling."""
     one = np.eye(len(a))
     times = 0.5 ** np.arange(HALVINGS)

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from hknob_cli.specs.capability_reasons import AT as AT
-from hknob_cli.specs.capability_reasons import BESIDE_JITTER
+from hknob_cli.specs.capability_reasons import BESIDE_JITTER, ON_ONE_FLANK
 from hknob_cli.specs.capability_reasons import WHY as WHY
 from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.parts_there import parts_of as parts_of
@@ -196,7 +196,7 @@ _TABLE = {
     "eddy_brake":      "P-PPP PPPPPP PEE~ ~P~E~",
     "gear":            "PEPPP PPPPPP -EE~ ~P~--",
     "mesh":            "--P-P ---P-- -EE~ -----",
-    "play":            "--E-- ------ -E-~ -----",
+    "play":            "--E-E ------ -EE~ -----",
     "squeeze":         "PEPPP PPPPPP PEE~ ~P~--",
     "undamped":        "EEEEE --E--E EEE~ ~E~E-",
     "unheld":          "EEEPE --E--E EEE~ ~E~E-",
@@ -234,19 +234,12 @@ EXCEPTIONS = {
     **{
         (part, "virtual_damping", "general"): (
             REFUSED,
-            "it needs the counts of the last turning point and of the last sample; controllers have both",
+            "the plain wall remembers one count there, not those of the last turning point and of the last sample: "
+            "it is followed as a controller",
         )
         for part in ("hysteresis", "backlash")
     },
-    **{
-        (part, "play", "general"): (REFUSED, why)
-        for part, why in (
-            ("friction", "one kind of events is followed at a time, teeth that part or a motor that sticks"),
-            ("hysteresis", "turning points of the count are not followed from flank to flank"),
-            ("backlash", "turning points of the count are not followed from flank to flank"),
-            ("bare", "what is proven of teeth on one flank rests on counts"),
-        )
-    },
+    **{("bare", "play", at): (REFUSED, ON_ONE_FLANK) for at in ("general", "laws")},
     **{("jitter", part, "general"): (REFUSED, why) for part, why in BESIDE_JITTER.items()},
     ("friction", "bare", "general"): (EXACT, "the period map is not shown to contract"),
     ("friction", "speed_sensor", "laws"): (EXACT, "the torque follows the motion, which is not affine"),
@@ -281,11 +274,19 @@ STARTS = {"phases": TRIALS, "one": PHASES, "ranges": RANGES, "anywhere": ANYWHER
 _REFUSED = {
     column: frozenset(part for part in PARTS if VERDICTS[part, column] == REFUSED) for column in COLUMNS
 }  # fmt: skip
+_PAIRS = {
+    column: [
+        {one, other} for (one, other, at), (verdict, _) in EXCEPTIONS.items() if (at, verdict) == (column, REFUSED)
+    ]
+    for column in COLUMNS
+}
 
 
 def takes(column: str, parts: Iterable[str]) -> bool:
     """Whether an engine, law or command takes a scene with these parts."""
-    return _REFUSED[column].isdisjoint(parts)
+    if not _REFUSED[column].isdisjoint(parts):
+        return False
+    return not _PAIRS[column] or not any(pair.issubset(parts) for pair in _PAIRS[column])
 
 
 def deciding(*columns: str) -> frozenset[str]:

@@ -25,6 +25,7 @@ _STATE_BY_STATE = (
     ("bare", "the torque differs within a set"),
     ("play", "teeth part at different times within a set"),
 )
+ON_ONE_FLANK = "what is proven of teeth on one flank rests on counts"
 # Why a part is refused, where its column's own reason does not say it.
 WHY = {
     ("virtual_damping", "unsampled"): "virtual damping needs samples to difference",
@@ -41,12 +42,10 @@ WHY = {
     ("jitter", "basins"): "where a start ends depends on the intervals that are drawn",
     ("jitter", "perceive"): "no motion repeats",
     ("jitter", "device"): "a device has the clock that it has",
-    ("play", "laws"): "its torques are bounded only while teeth stay on one flank",
     ("bare", "bounces"): "its engine reads counts",
     ("controller", "bounces"): "growth is of the plain wall",
     ("unsampled", "ranges"): "states in ranges are those at a sample",
     ("unsampled", "pulse"): "without a sample clock motions go from edge to edge, and do not stop where a pulse ends",
-    ("play", "pulse"): "the push of a pulse is not split between motor and knob while their teeth part",
     ("unpushed", "bounces"): "nothing brings the knob back to it",
     ("handless", "anywhere"): "nothing draws the knob back",
     **{

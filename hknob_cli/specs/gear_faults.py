@@ -46,23 +46,6 @@ def gear_contradictions(scene: SceneSpec, axes: Axes) -> Iterator[tuple[Place, s
             ("scene", "hand", "finger"),
             f"must be absent {where}: motor and knob are the two bodies that are followed",
         )
-    yield from _play_contradictions(scene, axes)
-
-
-def _play_contradictions(scene: SceneSpec, axes: Axes) -> Iterator[tuple[Place, str]]:
-    """What does not go beside teeth that part, by the pairs of the table."""
-    gear = scene.gear
-    assert gear
-    if not any(axes.get("gear.backlash", [gear.backlash])):
-        return
-    place = ("grid", "gear.backlash") if "gear.backlash" in axes else ("scene", "gear", "backlash")
-    beside = {
-        "friction": any(axes.get("gear.motor_coulomb_torque", [gear.motor_coulomb_torque])),
-        "bare": scene.encoder == "none",
-    }
-    for part in ("hysteresis", "backlash"):
-        key = PARTS[part].path.partition(".")[2]
-        beside[part] = scene.encoder != "none" and any(axes.get(PARTS[part].path, [getattr(scene.encoder, key)]))
-    for part, there in beside.items():
-        if there:
-            yield place, f"must be 0 beside {PARTS[part].title}: {EXCEPTIONS[part, 'play', 'general'][1]}"
+    if scene.encoder == "none" and any(axes.get("gear.backlash", [gear.backlash])):
+        place = ("grid", "gear.backlash") if "gear.backlash" in axes else ("scene", "gear", "backlash")
+        yield place, f"must be 0 beside {PARTS['bare'].title}: {EXCEPTIONS['bare', 'play', 'general'][1]}"

@@ -125,12 +125,6 @@ def contradictions(scene: SceneSpec, axes: Axes) -> Faults:
     found: Faults = []
     if scene.bias and scene.bias.half_quantum and scene.encoder == "none":
         found.append((("scene", "bias", "half_quantum"), "must be absent where encoder is none: it has no count"))
-    for part in ("hysteresis", "backlash"):
-        if scene.controller or not given(scene, axes, PARTS[part].path):
-            continue
-        if places := given(scene, axes, "wall.damping"):
-            why = EXCEPTIONS[part, "virtual_damping", "general"][1]
-            found.append((places[0], f"must be absent beside {PARTS[part].title}: {why}"))
     found += _of_jitter(scene, axes)
     if scene.hand and scene.hand.finger:
         for key in ("inertia", "damping", "stiffness"):

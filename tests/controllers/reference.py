@@ -26,7 +26,7 @@ class Rig:
 
     scene: dict[str, Any]
     rate_hz: float
-    counts: int | None
+    counts: Any  # of a revolution of the knob, None of a continuous sensor
     number: Callable[..., Any] = float
     braked: Any = 0.0
     _holds: dict[Any, Any] = field(default_factory=dict)
@@ -140,9 +140,19 @@ class Law:
         raise NotImplementedError
 
 
-def law_of(rig: Rig, controller: dict[str, Any]) -> Law:
+class PlainWall(Law):
+    """No controller: the wall by itself."""
+
+    def act(self, shown: Any, speed: Any, before: Any, looks: list[Any]) -> Any:
+        """The wall's torque."""
+        return self.rig.spring(shown)
+
+
+def law_of(rig: Rig, controller: dict[str, Any] | None) -> Law:
     """The controller of a spec, as its file in `laws` has it."""
     from tests.controllers.laws import LAWS
 
+    if not controller:
+        return PlainWall(rig)
     law: Law = LAWS[controller["kind"]].Source(rig, **{key: one for key, one in controller.items() if key != "kind"})
     return law

@@ -296,6 +296,36 @@ def test_a_profile_beside_a_continuous_sensor_needs_counts() -> None:
     assert fault.message.startswith("must not be none beside a pattern of detents: its torque is a table")
 
 
+# Pairs that go together, with the engine of their trials.
+PAIRS = [
+    ("hysteresis", "virtual_damping", "laws"),
+    ("backlash", "virtual_damping", "laws"),
+    ("controller", "play", "laws"),
+    ("estimated_speed", "play", "laws"),
+    ("rubbing_motor", "play", "general"),
+    ("hysteresis", "play", "general"),
+    ("backlash", "play", "general"),
+]
+
+
+@pytest.mark.parametrize(("one", "other", "engine"), PAIRS)
+def test_pairs_are_as_the_table_says(one: str, other: str, engine: str) -> None:
+    source = Source("spec.yaml")
+    change = CHANGES.get(one, {"scene": {"gear": {"motor_coulomb_torque": 1e-5}}})
+    source.value = {**merged(deepcopy(BASE), merged(change, CHANGES[other])), "starts": KINDS["phases"]}
+    plan = validate(source)
+    assert isinstance(plan, SweepPlan)
+    parts = parts_of(plan.scene)
+    assert {one if one in CHANGES else "friction", other} <= parts
+    assert engine_of(plan.scene, STARTS["phases"]) == engine
+    cell = SweepStage(plan, jobs=1).run().cells.to_pylist()[0]
+    if verdict_of(parts, engine)[0] == PROVEN:
+        assert cell["certified_fraction"] == 1.0
+        assert not_proven(plan) == []
+    else:
+        assert not_proven(plan) != []
+
+
 @pytest.mark.long
 @pytest.mark.drawn(3)
 @pytest.mark.parametrize("starts", ["one", "ranges"])

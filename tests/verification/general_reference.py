@@ -13,10 +13,15 @@ Both events are zeros of a component f(t) of the state. *All* zeros in a hold ar
 an interval of length h with ``|f| > h max|f'|`` at its left end has none, one with ``|f'| > h max|f''|`` at most
 one, which shows in the signs at its ends, and any other interval is halved. The maxima come from the energy of the
 derivatives' motion, which passive bodies cannot gain and which only the lag, decaying, can feed.
+
+A gear that yields is knob and finger, too: the motor over the ratio, and knob and hand behind the mesh, with the push
+on them. Teeth with play press on one flank, on the other, or on none, so that each mode of friction is three.
+Their events are bracketed by halving a step of 1/64 of a sample, and no zeros are excluded: what begins and ends within
+a step is missed.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import sqrt
 from operator import mul
@@ -82,6 +87,8 @@ class Bodies:
     resistance: Any = 1
     inductance: Any = 1
     driven: bool = False  # by a voltage; else it is shorted
+    push: Any = 0  # of the user on the finger
+    play: Any = 0  # of teeth between knob and finger [rad]
     _kept: dict[Any, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @cached_property
@@ -110,6 +117,7 @@ class Bodies:
                     (SPEED, self.pad_damping / j),
                     (FINGER, -(self.finger_stiffness + self.pad_stiffness) / j),
                     (FINGER_SPEED, -(self.finger_damping + self.pad_damping) / j),
+                    (ONE, -self.push / j),
                 ],
             ]
         own: list[tuple[int, Any]] = []
@@ -125,6 +133,20 @@ class Bodies:
             speed.append((ONE, -sign * self.friction / self.inertia))
             made[sign] = [[(SPEED, mp.mpf(1))], speed, *finger, lag, [], [], own]
         return {mode: [[(j, v) for j, v in row if v != 0] for row in table] for mode, table in made.items()}
+
+    @cached_property
+    def teeth(self) -> dict[int, "Bodies"]:
+        """The bodies on each flank: 1 and -1, and 0 with teeth that do not press."""
+        loose = replace(self, pad_damping=mp.zero, pad_stiffness=mp.zero, play=mp.zero, _kept={})
+        away = self.pad_stiffness * self.play  # what the other flank presses less than this one would
+        back = replace(self, bias=self.bias + away, push=self.push - away, play=mp.zero, _kept={})
+        return {1: replace(self, play=mp.zero, _kept={}), 0: loose, -1: back}
+
+    def presses(self, z: Vector, flank: int) -> bool:
+        """Whether teeth press on a flank: they overlap, and their spring and damper do not pull."""
+        turn, rate = z[KNOB] - z[FINGER], z[SPEED] - z[FINGER_SPEED]
+        overlap = turn if flank > 0 else -(turn + self.play)
+        return bool(overlap > 0 and self.pad_stiffness * overlap + flank * self.pad_damping * rate > 0)
 
     def rate(self, mode: int, z: Vector) -> Vector:
         """A z."""
@@ -261,12 +283,17 @@ class Friction:
     closest: float = float("inf")
     turns: list[Any] = field(default_factory=list)
     find_turns: bool = False
+    flank: int = 1
+    parted: int = 0  # times that teeth have
 
     def hold(self, command: Any, duration: Any) -> None:
         """Move through one hold of ``command``."""
         bodies = self.bodies
         torque = self.z[TORQUE] if bodies.lag else command
         self.z = (*self.z[:4], torque, command, mp.one, self.z[CURRENT])
+        if bodies.play:
+            self._hold_teeth(duration)
+            return
         if bodies.friction == 0 and not self.find_turns:
             self.mode = UP
             self.z = bodies.move(UP, self.z, duration, recurs=True)
@@ -299,8 +326,58 @@ class Friction:
                 else:
                     self.sticks += 1
 
+    def _hold_teeth(self, duration: Any) -> None:
+        """Step by step, each halved where it brings an event."""
+        flanks = [flank for flank in (1, -1) if self.bodies.presses(self.z, flank)]
+        self.flank = flanks[0] if flanks else 0
+        if self.z[SPEED] == 0:
+            self._start()
+        else:
+            self.mode = UP if self.z[SPEED] > 0 else DOWN
+        steps = int(mp.ceil(64 * duration / self.period))
+        for _ in range(steps):
+            self._step_teeth(duration / steps, 0)
+
+    def _step_teeth(self, step: Any, level: int) -> None:
+        then = self._acting().move(self.mode, self.z, step, recurs=False)
+        turned, sprung = self._events(then)
+        if not turned and not sprung:
+            self.z = then
+        elif level < 60:
+            self._step_teeth(step / 2, level + 1)
+            self._step_teeth(step / 2, level + 1)
+        else:
+            self.z = then
+            if sprung:
+                self.parted += self.flank != 0
+                self.flank = 0 if self.flank else (1 if self.bodies.presses(then, 1) else -1)
+            if turned and self.mode != STUCK:
+                self.z = (then[KNOB], mp.zero, *then[2:])
+                self.stops += 1
+                self.turns.append(then[KNOB])
+                self._start()
+                self.sticks += self.mode == STUCK
+            elif turned:
+                self.releases += 1
+                self.mode = UP if self._sum() > 0 else DOWN
+            elif self.mode == STUCK:
+                self._start()
+
+    def _acting(self) -> Bodies:
+        return self.bodies.teeth[self.flank] if self.bodies.play else self.bodies
+
+    def _events(self, z: Vector) -> tuple[bool, bool]:
+        """Whether the knob has turned round, or is released, and whether teeth have met or parted."""
+        if self.flank:
+            sprung = not self.bodies.presses(z, self.flank)
+        else:
+            sprung = self.bodies.presses(z, 1) or self.bodies.presses(z, -1)
+        if self.mode == STUCK:
+            return abs(_dot(self._acting().torque_sum, z)) > self.bodies.friction, sprung
+        return z[SPEED] * self.mode < 0, sprung
+
     def _sum(self) -> Any:
-        return _dot(self.bodies.torque_sum, self.z)
+        return _dot(self._acting().torque_sum, self.z)
 
     def _start(self) -> None:
         """Set the mode of a knob at rest."""
@@ -580,10 +657,13 @@ def build(scene: dict[str, Any], *, sample_rate_hz: float, counts_per_rev: int |
     def number(part: dict[str, Any], name: str) -> Any:
         return mp.mpf(part.get(name) or 0.0)
 
+    if scene.get("gear"):
+        scene = _seen_from_the_knob(scene)
     knob, hand, wall = scene["knob"], scene.get("hand") or {}, scene.get("wall") or {"stiffness": 0.0}
     finger, pad = hand.get("finger"), hand.get("fingerpad")
     actuator, bias, encoder = scene.get("actuator") or {}, scene.get("bias") or {}, scene.get("encoder", {})
-    quantum = None if encoder == "none" or counts_per_rev is None else 2 * mp.pi / counts_per_rev
+    ratio = mp.mpf(scene.get("turns", 1))
+    quantum = None if encoder == "none" or counts_per_rev is None else 2 * mp.pi / counts_per_rev / ratio
     shape = encoder if isinstance(encoder, dict) else {}
     limit = actuator.get("torque_limit")
     parts: dict[str, Any] = {}
@@ -616,6 +696,8 @@ def build(scene: dict[str, Any], *, sample_rate_hz: float, counts_per_rev: int |
         lag=lag,
         **parts,
     )
+    if "turns" in scene:
+        bodies = replace(bodies, bias=mp.zero, push=bodies.bias, play=number(scene, "play"), _kept={})
     control = Control(
         stiffness=number(wall, "stiffness"),
         damping=number(wall, "damping"),
@@ -631,6 +713,37 @@ def build(scene: dict[str, Any], *, sample_rate_hz: float, counts_per_rev: int |
         hysteresis=number(shape, "hysteresis_counts") + (number(shape, "backlash") / quantum if quantum else 0),
     )
     return bodies, control
+
+
+def _seen_from_the_knob(scene: dict[str, Any]) -> dict[str, Any]:
+    """A gear with a stiffness as knob and finger: the motor over its ratio, and what the user turns behind the mesh."""
+    gear, hand, knob = scene["gear"], scene.get("hand") or {}, scene["knob"]
+    n = mp.mpf(gear["ratio"])
+    brake = {"eddy_brake": scene.get("eddy_brake")}  # on the knob's shaft
+
+    def times(part: dict[str, Any], keys: tuple[str, ...], factor: Any) -> dict[str, Any]:
+        return {key: factor * mp.mpf(value) if key in keys and value else value for key, value in part.items()}
+
+    motor = {
+        "inertia": n * n * mp.mpf(gear["motor_inertia"]),
+        "damping": n * n * mp.mpf(gear.get("motor_damping", 0.0)),
+        "coulomb_torque": n * mp.mpf(gear.get("motor_coulomb_torque", 0.0)),
+    }
+    own = {
+        "inertia": mp.mpf(knob["inertia"]) + mp.mpf(hand.get("inertia", 0.0)),
+        "damping": mp.mpf(knob.get("damping", 0.0)) + mp.mpf(hand.get("damping", 0.0)) + magnetic_damping(brake),
+        "stiffness": mp.mpf(hand.get("stiffness", 0.0)),
+    }
+    found = {**scene, "knob": motor, "gear": None, "eddy_brake": None, "turns": n, "play": gear.get("backlash", 0.0)}
+    found["hand"] = {
+        "finger": own,
+        "fingerpad": {"damping": gear.get("mesh_damping", 0.0), "stiffness": gear["stiffness"]},
+    }
+    if scene.get("actuator"):
+        found["actuator"] = times(scene["actuator"], ("torque_limit", "torque_step", "dead_band"), n)
+    if scene.get("motor"):
+        found["motor"] = times(scene["motor"], ("torque_constant",), n)
+    return found
 
 
 def simulate(
@@ -668,7 +781,7 @@ def simulate(
             z = friction.z = (z[0] * (1 + nudge), z[1] * (1 + nudge), *z[2:])
         measured = control.measured(z[KNOB])
         if control.hysteresis:
-            trial.relays = trial.relays or Relays(control, z[KNOB])
+            trial.relays = trial.relays or Relays(control, z[KNOB], everywhere=control.damping > 0)
             for angle in friction.turns if i else []:
                 trial.relays.see(angle, i, turn=True)
             trial.relays.see(z[KNOB], i, turn=False)

@@ -30,8 +30,9 @@ class Firmware:
         """Nothing has happened yet."""
         plain = {name: part for name, part in scene.items() if name != "controller"}
         self.control = control
-        self.rig = Rig(plain, rate_hz, counts, mp.mpf, magnetic_damping(scene))
-        self.law: Law = law_of(self.rig, scene["controller"])
+        ratio = mp.mpf((scene.get("gear") or {}).get("ratio", 1))
+        self.rig = Rig(plain, rate_hz, counts * ratio, mp.mpf, magnetic_damping(scene))
+        self.law: Law = law_of(self.rig, scene.get("controller"))
         self.before: Any = None
         self.step = float("inf")  # least distance of a torque to where the D/A converter rounds it otherwise, N m
 
@@ -155,7 +156,8 @@ def simulate_law(
     start = (*at, *(at if bodies.finger else (mp.zero, mp.zero)), mp.zero, mp.zero, mp.one, mp.zero)
     motion = Friction(bodies, control.period, start, find_turns=control.hysteresis > 0)
     if pulse:
-        pushed = replace(bodies, bias=bodies.bias - mp.mpf(pulse["torque"]), _kept={})
+        key = "push" if scene.get("gear") else "bias"  # of knob and hand behind a gear, or of the knob
+        pushed = replace(bodies, **{key: getattr(bodies, key) - mp.mpf(pulse["torque"])}, _kept={})
         turns = control.hysteresis > 0
         motion = Pushed(
             pushed, control.period, start, find_turns=turns, after=bodies, release=mp.mpf(pulse["duration"])
@@ -198,8 +200,8 @@ def periodic_wave(
     if energy is not None:
         firmware.law.energy = energy
     n = len(shown)
-    law, actuator = scene["controller"], scene.get("actuator") or {}
-    least = LEAST[law["kind"] == "phase_damping"] + n + law.get("window", 1)
+    law, actuator = scene.get("controller") or {}, scene.get("actuator") or {}
+    least = LEAST[law.get("kind") == "phase_damping"] + n + law.get("window", 1)
     if "cut_off" in law or actuator.keys() & {"torque_step", "torque_limit", "dead_band"}:
         # Torques may come back to the digit long before the memory does: it is given its time.
         fades = law.get("low_pass") or law.get("time_constant") or 2.0 / law.get("bandwidth", float("inf"))

@@ -19,6 +19,7 @@ from hknob_cli.specs.scene import SceneSpec
 
 from . import general_reference as reference
 from .general_scenes import TWO_PARTS, Case, scene
+from .law_reference import simulate_law
 from .law_scenes import Drawn, reduce, search
 from .test_general_trajectory import AWAY, bounds
 from .test_laws_in_the_general_loop import LONGEST, ORDER, balance, check_orbit, check_trial, scenes
@@ -164,6 +165,23 @@ def check_controlled(drawn: list[Drawn]) -> tuple[int, int]:
 def test_beside_a_controller(controller: str) -> None:
     trials, _ = check_controlled(with_hysteresis(controller, 3, seed=31))
     assert trials, "rounding could decide in all scenes: nothing was tested"
+
+
+def test_beside_virtual_damping_without_a_controller() -> None:
+    """The wall's own torque is the law; the model that knows no controllers has the same samples."""
+    drawn = []
+    for one in with_hysteresis("bounded lag", 12, seed=33):
+        plain = {name: part for name, part in one.scene.items() if name != "controller"}
+        plain["wall"] = {"stiffness": 0.27, "damping": plain["wall"].get("damping") or 5e-6}
+        drawn.append(one._replace(controller="", scene=plain))
+    trials, cycles = check_controlled(drawn)
+    assert (trials >= 8, cycles >= 2) == (True, True)
+    for one in drawn[:4]:
+        arguments = {"sample_rate_hz": one.rate_hz, "counts_per_rev": one.counts, "phase": 0.37}
+        expected = reference.simulate(one.scene, **arguments, angle_rad=0.02, velocity_rad_s=-0.5, samples=40)
+        by_law = simulate_law(one.scene, one.rate_hz, one.counts, angle=0.02, velocity=-0.5, phase=0.37)
+        for sample, (angle, _, _) in zip(expected.samples, by_law, strict=False):
+            assert abs(sample.angle - angle) < 1e-40
 
 
 def test_proven_cycles_beside_a_controller() -> None:

@@ -85,7 +85,7 @@ def check_orbit(one: Drawn, made: Any, engine: LawEngine, orbit: Attractor) -> t
     states, between_counts = run(engine, made, state, orbit.line, n)
     seen = states[:, 0]
     z = to_si(knob, control, state, bodies)
-    detections = one.scene["controller"].get("detections", 1)
+    detections = (one.scene.get("controller") or {}).get("detections", 1)
     counts = [[(mp.mpf(float(count)) + control.offset) * control.quantum for count in row] for row in between_counts]
     if control.hysteresis:
         shown = [row[0] for row in counts]

@@ -1,7 +1,8 @@
 """The loop with whatever else a scene lists: friction, finger, lag, limits, virtual damping, a continuous sensor.
 
 - `body`, `controller` (encoder and wall), `torque_table`, `jitter` of the sample clock: the scene in numbers
-- `advance` from event to event, `hysteresis` of the count on the way, `teeth` of a gear that part and meet
+- `advance` from event to event, `hysteresis` of the count on the way
+- `teeth` of a gear, one mode of their motion, `flanks` from mode to mode
 - `period_map` the proof, `powers` of its derivative
 - `inner_region` rest that is never reached
 - `parting` of nearby motions, where they do not repeat

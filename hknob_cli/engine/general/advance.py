@@ -6,9 +6,9 @@ round or is held, until the other torques exceed the friction level.
 
 from hknob_cli.engine.general.body import acceleration, rate_of
 from hknob_cli.engine.general.columns import spread_many, spread_two, turn_round
+from hknob_cli.engine.general.flanks import play_columns, play_many
 from hknob_cli.engine.general.slide_many import slide_many, stretch
 from hknob_cli.engine.general.slide_two import coefficients, step_with_friction, until_zero, way
-from hknob_cli.engine.general.teeth import play_columns, play_many
 
 FREE = 2  # mode of a motion whose turning points do not matter
 
@@ -85,7 +85,7 @@ def rub_columns(z, u, span, s, g, f, body, pad, cols, command, count, width, mar
     (s, g, f): coefficients of second order over ``span``; ``command``: where ``cols`` has the derivatives of ``u``.
     The columns follow the motion through its events (Leine & Nijmeijer 2004, sec. 7). ``marks`` keeps the least
     distance of a torque from the friction level where that decides [0], and of a velocity from zero at the end of a
-    hold [1].
+    hold [1]; `play_columns` has one more.
     """
     if body.play > 0.0:
         play_columns(z, u, span, body, pad, cols, command, count, width, marks)

@@ -57,7 +57,10 @@ RATES, HELD = 0, 1  # A, sliding and held by friction; or with teeth that press 
 FIRST, SECOND = 2, 3  # D over the part of an interval under the older command, and over the rest
 HALVES, HALVES_HELD = 4, 4 + HALVINGS  # D(1), D(1/2), D(1/4), ...; not of second order
 ADDED = 4 + 2 * HALVINGS  # D over the pieces of an interval under a law, without friction; not of second order
+STUCK = ADDED  # with play and friction: A of a motor that is held, teeth pressing and apart, then D as `HALVES` of both
+STUCK_HALVES = STUCK + 2
 CONSTANT, CONSTANT_HELD, ENTRY = 0, 1, 2  # c, sliding and held; p
+CONSTANT_STUCK = 3  # with play and friction: c of a motor that is held
 
 
 def rate_of(z, u, mode, body, out):

@@ -38,21 +38,24 @@ def spread_two(cols, command, count, width, s, g, f, body):
         cols[at] = x
 
 
-def spread_many(cols, command, count, width, span, mode, body, pad):
-    """Move the columns over ``span`` in one mode, by its binary digits; overwrites ``pad``."""
+def spread_by(cols, command, count, width, span, rates, halves, pulled, body, pad):
+    """Move the columns over ``span`` by the matrices that begin at ``rates`` and ``halves``; overwrites ``pad``.
+
+    ``pulled``: whether the command acts on what moves.
+    """
     n = body.order
-    rates = (HELD if mode == 0 else RATES) * n * n
+    rates *= n * n
     h = 1.0
     half = 0
     while span > 0.0:
         if span >= h:
             span -= h
-            base = ((HALVES_HELD if mode == 0 else HALVES) + half) * n * n
+            base = (halves + half) * n * n
             for c in range(count):
                 at = c * width
                 for i in range(n):
                     total = 0.0
-                    if (mode != 0 or body.play > 0.0) and body.lag == 0.0:
+                    if pulled and body.lag == 0.0:
                         total = body.vectors[ENTRY * n + i] * cols[command + c]
                     for j in range(n):
                         total += body.matrices[rates + i * n + j] * cols[at + j]
@@ -66,6 +69,13 @@ def spread_many(cols, command, count, width, span, mode, body, pad):
                     cols[at + i] += total
         h *= 0.5
         half += 1
+
+
+def spread_many(cols, command, count, width, span, mode, body, pad):
+    """Move the columns over ``span`` in one mode, by its binary digits; overwrites ``pad``."""
+    rates, halves = (HELD, HALVES_HELD) if mode == 0 else (RATES, HALVES)
+    pulled = mode != 0 or body.play > 0.0
+    spread_by(cols, command, count, width, span, rates, halves, pulled, body, pad)
 
 
 def turn_round(cols, count, width, jump, body):

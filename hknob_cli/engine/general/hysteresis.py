@@ -8,7 +8,9 @@ the count is taken at each of its turning points, which are exact.
 from hknob_cli.engine.general.advance import FREE, advance_hold, next_mode, slide
 from hknob_cli.engine.general.body import HALVES, HALVINGS, acceleration, distance, rate_of
 from hknob_cli.engine.general.controller import edge_gap, read_after
+from hknob_cli.engine.general.flanks import pass_end, play_many
 from hknob_cli.engine.general.slide_two import way
+from hknob_cli.engine.general.teeth import direction, flank, flank_room, press, pressing, teeth_rate
 
 STILL = 1e-11  # counts, relative: what moves by less has settled, and meets a velocity of 0 at every rounding
 
@@ -18,7 +20,7 @@ def way_at_most(z, u, span, body, pad):
 
     Its rates are a motion without a torque, whose energy never grows.
     """
-    if body.order == 2 or body.friction > 0.0 or body.play > 0.0:
+    if body.order == 2 or body.friction > 0.0:
         return float("inf")
     rate_of(z, u, FREE, body, pad)
     return distance(pad, body) * span
@@ -35,11 +37,48 @@ def pass_still(z, u, span, body, pad):
         h *= 0.5
 
 
+def still_in_teeth(z, u, side, span, body, pad):
+    """As `way_at_most` with play, where no teeth can part over ``span``; inf of another motion."""
+    if body.friction > 0.0 or side == 0:
+        return float("inf")
+    teeth_rate(z, u, side, 0, body, pad)
+    moved = distance(pad, body) * span
+    return moved if moved < flank_room(pressing(z, 0, side, body), body) else float("inf")
+
+
+def turn_teeth(z, u, span, shown, body, wall, pad):
+    """As `turn_and_count`, from flank to flank."""
+    left, margin = span, float("inf")
+    side = flank(z, body)
+    moved = still_in_teeth(z, u, side, span, body, pad)
+    if moved <= STILL * (1.0 + abs(z[0])):
+        margin = edge_gap(z[0], shown, shown, wall) - moved
+        play_many(z, u, span, body, pad)
+        return shown, margin
+    toward = direction(z, u, side, body)
+    fresh = body.friction > 0.0 and toward != 0 and z[1] == 0.0
+    while left > 0.0:
+        t, ended, _ = press(z, u, side, toward, left, fresh, body, pad)
+        left -= t
+        if ended == 0:
+            break
+        ago = toward
+        side, toward = pass_end(z, u, side, toward, ended, body)
+        fresh = True
+        if ago != 0 and toward != ago:
+            before = shown
+            shown = read_after(z[0], before, wall)
+            margin = min(margin, edge_gap(z[0], shown, before, wall))
+    return shown, margin
+
+
 def turn_and_count(z, u, span, shown, body, wall, pad):
     """Move ``z`` over a hold from event to event: ``(count after the last turning point, margin)``.
 
     ``shown``: the count at the start; the margin is how far the turning points may move until the command changes.
     """
+    if body.play > 0.0:
+        return turn_teeth(z, u, span, shown, body, wall, pad)
     left, margin = span, float("inf")
     moved = way_at_most(z, u, span, body, pad)
     if moved <= STILL * (1.0 + abs(z[0])):

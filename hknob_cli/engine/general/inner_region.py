@@ -17,6 +17,7 @@ from hknob_cli.engine.general.body import distance
 from hknob_cli.engine.general.controller import command, edge_gap, slopes
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.slide_two import step_with_friction
+from hknob_cli.engine.general.teeth import flank_room
 from hknob_cli.engine.propagator import hold_coefficients
 
 ROUNDINGS = 64.0  # of a position that has stopped changing
@@ -80,7 +81,10 @@ def keeps_reading(z, shown, u, body, wall, delay, orbit, away):
     if not linear and command(seen, seen, wall) != u:
         return False, 0.0
     gap = edge_gap(rest, seen, seen, wall)
-    return reach + ROUNDINGS * EPSILON * (1.0 + abs(rest) + abs(z[0])) < gap, gap
+    reach += ROUNDINGS * EPSILON * (1.0 + abs(rest) + abs(z[0]))
+    if body.play > 0.0 and not reach < flank_room(body.pad_stiffness * orbit[2], body):
+        return False, gap  # where teeth part, the energy of a difference may grow
+    return reach < gap, gap
 
 
 def stands(z, before, ring, head, body, wall, space):

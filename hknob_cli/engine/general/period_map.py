@@ -32,7 +32,7 @@ class Space(NamedTuple):
     width: int
     pad: Any  # (2 * order), rates and new states
     cols: Any  # (width * (width + 2)), columns of derivatives, and those of the commands
-    marks: Any  # (2)
+    marks: Any  # (3)
     matrix: Any  # (2 * width * width)
     power: Any  # (width * width)
     total: Any  # (width * width)
@@ -79,7 +79,8 @@ def turn(before, ring, head, period, body, wall, space, m):
     """
     n, width = body.order, space.width
     begin_period(ring, body, space, m)
-    space.marks[0], space.marks[1] = float("inf"), float("inf")
+    for i in range(3):
+        space.marks[i] = float("inf")
     margin, edge = float("inf"), float("inf")
     reach, pace = 0.0, 0.0
     first = head
@@ -213,7 +214,7 @@ def certify(z, before, ring, head, period, body, wall, space):
             return AT_EVENT, margin, edge, closure, bound
     parts = False
     if body.play > 0.0:
-        room = flank_room(space.marks[0], body)
+        room = flank_room(space.marks[2], body)
         parts = not room > bound
         if not parts:
             margin = min(margin, room)

@@ -92,7 +92,7 @@ def torque_range(wall: Controller) -> TorqueRange:
 class PeriodSegments:
     """One period, piece by piece between events; ``m`` pieces, order ``n``.
 
-    ``spans`` (m): length; ``modes`` (m): +1, -1 sliding, 0 held; with teeth that part as `teeth.play_chart` has them;
+    ``spans`` (m): length; ``modes`` (m): +1, -1 sliding, 0 held; with teeth that part as `flanks.kind_of` has them;
     ``commands`` (m): command acting; ``states`` (m + 1, n): state at the start of each piece and at the end.
     """
 
@@ -107,7 +107,7 @@ def make_space(order: int, delay: int, zeros: Callable[[int], Any]) -> Space:
         width=width,
         pad=zeros(2 * order),
         cols=zeros(width * (width + 2)),
-        marks=zeros(2),
+        marks=zeros(3),
         matrix=zeros(2 * width * width),
         power=zeros(width * width),
         total=zeros(width * width),

@@ -6,7 +6,7 @@ from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import acceleration, coil_at, distance
 from hknob_cli.engine.general.controller import command, edge_gap, goes_on
 from hknob_cli.engine.general.inner_region import ROUNDINGS, come_to_rest, keeps_reading
-from hknob_cli.engine.general.teeth import flank_room
+from hknob_cli.engine.general.teeth import flank_room, held_in_teeth
 from hknob_cli.engine.general.torque_table import is_there
 from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, REST_ON_EDGE, RINGS
 
@@ -25,6 +25,8 @@ def stays_held(z, u, body):
     """Whether friction holds the knob for ever, and the finger and the lag settle behind it."""
     if z[1] != 0.0:
         return False
+    if body.play > 0.0:
+        return held_in_teeth(z, u, body)
     if body.order == 2:
         return abs(acceleration(z, u, body)) <= body.friction
     late = abs(z[body.order - 1] - u) if body.lag > 0.0 else 0.0

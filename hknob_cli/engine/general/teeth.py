@@ -7,8 +7,8 @@ c o', where teeth meet; where they part it is 0 on both sides. So there are thre
 of o, or of the torque. As in `slide_many` a step is halved until each can be shown to keep its sign in it or to be
 monotone: second derivatives are bounded by the energy of the rates, which never grows within a mode.
 
-A difference of two motions keeps its direction where teeth part; where they meet, the rates jump by -c o' in the mesh,
-and the difference by -c times its own part in d, however fast they meet (Leine & Nijmeijer 2004, sec. 7).
+With friction the motor slides, one way or the other, or is held: each flank has three modes. What ends one is a zero of
+the motor's speed, or of what friction lacks to hold it, beside those of the teeth.
 """
 
 from math import floor, sqrt
@@ -16,19 +16,25 @@ from math import floor, sqrt
 from hknob_cli.engine.general.body import (
     CONSTANT,
     CONSTANT_HELD,
+    CONSTANT_STUCK,
     ENTRY,
     HALVES,
     HALVES_HELD,
     HALVINGS,
     HELD,
     RATES,
+    STUCK,
+    STUCK_HALVES,
+    coil_at,
     norm_at,
 )
-from hknob_cli.engine.general.columns import spread_many
-from hknob_cli.engine.general.slide_many import FINEST, SHORTEST, accept, sliding_bound, stretch
+from hknob_cli.engine.general.slide_many import FINEST, SHORTEST, accept, held_bound, sliding_bound, stretch
+from hknob_cli.engine.general.slide_two import way
 
 APART = 2  # modes of a piece that is written down, by the sign of the speed: 1 on the wall's flank, 2 on none,
-BACK = 3  # and 3 on the other
+BACK = 3  # and 3 on the other; with a motor that friction holds 0,
+STUCK_APART, STUCK_BACK = 4, 5  # and these
+TURNED, SPRUNG = 1, 2  # ends of a mode: of the motor's way, and of what teeth did
 
 
 def overlap(d, side, body):
@@ -53,12 +59,27 @@ def flank(z, body):
     return -1 if touches(z, 0, -1, body) else 0
 
 
-def teeth_rate(z, u, side, body, out):
-    """Rate of the state under the command ``u``, on a flank or on none."""
+def teeth_rate(z, u, side, toward, body, out):
+    """Rate of the state under the command ``u``, on a flank or on none.
+
+    ``toward``: sign of the motor's speed, against which friction acts; 0 where there is none, or where it holds.
+    """
     n = body.order
+    if toward == 0 and body.friction > 0.0:
+        matrix = (STUCK + (1 if side == 0 else 0)) * n * n
+        for i in range(n):
+            total = body.vectors[CONSTANT_STUCK * n + i]
+            for j in range(n):
+                total += body.matrices[matrix + i * n + j] * z[j]
+            out[i] = total
+        if side < 0:
+            out[3] -= body.ratio * body.pad_stiffness * body.play
+        if body.lag > 0.0:
+            out[n - 1] += body.lag * u
+        return
     matrix = (HELD if side == 0 else RATES) * n * n
     vector = (CONSTANT_HELD if side == 0 else CONSTANT) * n
-    command = 0.0 if body.lag > 0.0 else u
+    command = (0.0 if body.lag > 0.0 else u) - toward * body.friction
     for i in range(n):
         total = body.vectors[vector + i] + body.vectors[ENTRY * n + i] * command
         for j in range(n):
@@ -70,6 +91,28 @@ def teeth_rate(z, u, side, body, out):
         out[3] -= (1.0 + body.ratio) * away
     if body.lag > 0.0:
         out[n - 1] += body.lag * u
+
+
+def teeth_pull(z, at, u, side, body):
+    """Acceleration of the motor without friction, on a flank or on none."""
+    n = body.order
+    matrix = (HELD if side == 0 else RATES) * n * n
+    total = body.vectors[(CONSTANT_HELD if side == 0 else CONSTANT) * n + 1]
+    if body.lag == 0.0:
+        total += u
+    for j in range(n):
+        total += body.matrices[matrix + n + j] * z[at + j]
+    if side < 0:
+        total -= body.pad_stiffness * body.play
+    return total
+
+
+def direction(z, u, side, body):
+    """Sign of the motor's speed from here on; 0 where friction holds it."""
+    pull = teeth_pull(z, 0, u, side, body)
+    if body.friction > 0.0:
+        return way(z[1], pull, body.friction)
+    return 1 if z[1] > 0.0 or (z[1] == 0.0 and pull > 0.0) else -1
 
 
 def keeps_sign(value, slope, bound, h):
@@ -94,9 +137,23 @@ def seen(z, pad, side, h, pace, twist, body):
     return 1 if abs(slope) > twist * h else 0
 
 
-def told(z, pad, side, toward, h, pace, twist, jerk, body):
+def stuck_told(z, u, pad, side, h, body):
+    """Whether it can be told what becomes of a motor that friction holds within ``h``: nothing, or a release, once."""
+    n = body.order
+    matrix = (HELD if side == 0 else RATES) * n * n
+    slope = 0.0
+    for j in range(n):
+        slope += body.matrices[matrix + n + j] * pad[j]
+    bound = held_bound(pad, body)
+    value = body.friction - abs(teeth_pull(z, 0, u, side, body))
+    return keeps_sign(value, -abs(slope), bound, h) or abs(slope) > bound * h
+
+
+def told(z, u, pad, side, toward, h, pace, twist, jerk, body):
     """Whether at most one thing happens within ``h``, and once: the mode ends, or the motor turns round."""
-    if toward != 0 and not keeps_sign(toward * z[1], toward * pad[1], jerk, h):
+    if toward == 0 and body.friction > 0.0:
+        turning = stuck_told(z, u, pad, side, h, body)
+    elif toward != 0 and not keeps_sign(toward * z[1], toward * pad[1], jerk, h):
         turning = abs(pad[1]) > jerk * h
     else:
         turning = True
@@ -107,14 +164,24 @@ def told(z, pad, side, toward, h, pace, twist, jerk, body):
     return turning and one > 0 and other > 0 and one + other > 2
 
 
-def over_now(pad, side, toward, body):
-    """Whether the state in the second half of ``pad`` is past the end of a mode, or past a turning point."""
+def teeth_over(z, at, side, body):
+    """Whether the state that begins at ``z[at]`` is past the end of what teeth did: they have parted, or met."""
+    if side != 0:
+        return pressing(z, at, side, body) < 0.0
+    return touches(z, at, 1, body) or touches(z, at, -1, body)
+
+
+def over_now(pad, u, side, toward, body):
+    """Which end of a mode the state in the second half of ``pad`` is past; 0 of none.
+
+    `TURNED`: a turning point, or the release of a motor that friction holds; else `SPRUNG`.
+    """
     n = body.order
     if toward != 0 and pad[n + 1] * toward < 0.0:
-        return True
-    if side != 0:
-        return pressing(pad, n, side, body) < 0.0
-    return touches(pad, n, 1, body) or touches(pad, n, -1, body)
+        return TURNED
+    if toward == 0 and body.friction > 0.0 and abs(teeth_pull(pad, n, u, side, body)) > body.friction:
+        return TURNED
+    return SPRUNG if teeth_over(pad, n, side, body) else 0
 
 
 def least_torque(z, pad, side, h, twist, body):
@@ -132,17 +199,20 @@ def least_torque(z, pad, side, h, twist, body):
 
 
 def press(z, u, side, toward, left, fresh, body, pad):
-    """Move ``z`` on one flank, or on none, until that ends or ``left`` is over: ``(time, whether it ended, least)``.
+    """Move ``z`` on one flank, or on none, until that ends or ``left`` is over: ``(time, end of `over_now`, least)``.
 
-    ``toward``: sign of the motor's speed where its turning points end the motion, too; else 0. ``fresh``: whether it
+    ``toward``: sign of the motor's speed where its turning points end the motion, too; else 0. With friction it is 0
+    where that holds the motor, until it is released. ``fresh``: whether it
     begins where another has ended: what is then too near to be told is taken after 2^-20 of a sample. An end is left
     past it, by the last bit of a sample period. ``least``: bound from below on the torque of the mesh, on a flank.
     """
     n = body.order
-    total, least = 0.0, float("inf")
+    total, least, carried = 0.0, float("inf"), float("inf")
     half = 0
     left = floor(left * FINEST) / FINEST
     table = HALVES_HELD if side == 0 else HALVES
+    if toward == 0 and body.friction > 0.0:
+        table = STUCK_HALVES + (HALVINGS if side == 0 else 0)
     root = sqrt(body.ratio)
     own = body.ratio * sqrt(body.pad_stiffness) + body.pad_damping * body.ratio * (1.0 + root)
     own += body.finger_damping * root + sqrt(body.finger_stiffness * body.ratio)
@@ -151,92 +221,45 @@ def press(z, u, side, toward, left, fresh, body, pad):
         while h > left:
             half += 1
             h *= 0.5
-        teeth_rate(z, u, side, body, pad)
+        teeth_rate(z, u, side, toward, body, pad)
         size = norm_at(pad, 0, body)
         pace, jerk = size * (1.0 + root), sliding_bound(pad, 0, body)
         twist = body.pad_stiffness * pace + body.pad_damping * (jerk + own * size)
         deepest = SHORTEST if fresh else HALVINGS - 1
-        clear = told(z, pad, side, toward, h, pace, twist, jerk, body)
+        clear = told(z, u, pad, side, toward, h, pace, twist, jerk, body)
         while not clear and half < deepest:
             half += 1
             h *= 0.5
-            clear = told(z, pad, side, toward, h, pace, twist, jerk, body)
+            clear = told(z, u, pad, side, toward, h, pace, twist, jerk, body)
         stretch(z, pad, table + half, body)
-        ended = over_now(pad, side, toward, body)
-        if ended and (clear or not fresh):
+        ended = over_now(pad, u, side, toward, body)
+        if side != 0:
+            carried = least_torque(z, pad, side, h, twist, body)
+        if ended > 0 and (clear or not fresh):
             for deeper in range(half + 1, HALVINGS):
-                teeth_rate(z, u, side, body, pad)
+                teeth_rate(z, u, side, toward, body, pad)
                 stretch(z, pad, table + deeper, body)
-                if not over_now(pad, side, toward, body):
+                sooner = over_now(pad, u, side, toward, body)
+                if sooner > 0:
+                    ended = sooner
+                else:
                     accept(z, pad, n)
                     total += 0.5**deeper
-            teeth_rate(z, u, side, body, pad)
+            teeth_rate(z, u, side, toward, body, pad)
             stretch(z, pad, table + HALVINGS - 1, body)
             accept(z, pad, n)
-            return total + 0.5 ** (HALVINGS - 1), True, -1.0
+            return total + 0.5 ** (HALVINGS - 1), ended, -1.0 if ended == SPRUNG else min(least, carried)
         if side != 0:
-            least = min(least, least_torque(z, pad, side, h, twist, body))
+            least = min(least, carried)
         accept(z, pad, n)
         total += h
         left -= h
         fresh = False
-        if ended:
-            return total, True, -1.0
+        if ended > 0:
+            return total, ended, -1.0 if ended == SPRUNG else least
         if half > 0:
             half -= 1
-    return total, False, least
-
-
-def next_flank(z, side, body):
-    """Flank after a mode has ended at ``z``: none after one, else the nearer."""
-    if side != 0:
-        return 0
-    return 1 if z[2] > -0.5 * body.play else -1
-
-
-def play_many(z, u, span, body, pad):
-    """Move ``z`` over any time up to a sample period from flank to flank."""
-    left = span
-    side = flank(z, body)
-    fresh = False
-    while left > 0.0:
-        t, ended, _ = press(z, u, side, 0, left, fresh, body, pad)
-        left -= t
-        if not ended:
-            break
-        side = next_flank(z, side, body)
-        fresh = True
-
-
-def meet(z, side, cols, count, width, body):
-    """The columns where teeth meet: the rates of both bodies jump by the damper's torque (saltation matrix)."""
-    if not side * z[3] > 0.0:
-        return
-    for c in range(count):
-        jump = body.pad_damping * cols[c * width + 2]
-        cols[c * width + 1] -= jump
-        cols[c * width + 3] -= (1.0 + body.ratio) * jump
-
-
-def play_columns(z, u, span, body, pad, cols, command, count, width, marks):
-    """As `advance.rub_columns`, from flank to flank.
-
-    ``marks[0]`` keeps the least torque of the mesh; below 0 where teeth have parted.
-    """
-    left = span
-    side = flank(z, body)
-    fresh = False
-    while left > 0.0:
-        t, ended, least = press(z, u, side, 0, left, fresh, body, pad)
-        spread_many(cols, command, count, width, t, side, body, pad)
-        marks[0] = min(marks[0], least if side != 0 else -1.0)
-        left -= t
-        if not ended:
-            break
-        side = next_flank(z, side, body)
-        fresh = True
-        if side != 0:
-            meet(z, side, cols, count, width, body)
+    return total, 0, least
 
 
 def flank_room(torque, body):
@@ -246,30 +269,38 @@ def flank_room(torque, body):
     return body.reach * torque / (sqrt(body.pad_stiffness) + body.pad_damping * (1.0 + sqrt(body.ratio)))
 
 
-def play_chart(z, u, span, body, pad, rows, pieces):
-    """As `trace.chart`, from flank to flank; modes are by the sign of the speed 1, `APART` or `BACK`."""
+def held_in_teeth(z, u, body):
+    """Whether friction holds the motor for ever, and the knob settles on the flank, or on none, on which it is now.
+
+    The energy of the knob's motion about where it would settle never grows. It bounds how far the mesh's torque ever
+    gets from what it is there, so that teeth which press there do not part; in the gap it bounds the way.
+    """
     n = body.order
-    left = span
+    late = abs(z[n - 1] - u) if body.lag > 0.0 else 0.0
+    if body.coil > 0.0:
+        late += body.coil * abs(z[coil_at(body)])
     side = flank(z, body)
-    fresh = False
-    while left > 0.0 and rows < len(pieces.spans):
-        for j in range(n):
-            pieces.states[rows * n + j] = z[j]
-        teeth_rate(z, u, side, body, pad)
-        toward = 1 if z[1] > 0.0 or (z[1] == 0.0 and pad[1] > 0.0) else -1
-        t, ended, _ = press(z, u, side, toward, left, fresh, body, pad)
-        left -= t
-        kind = 1 if side > 0 else (APART if side == 0 else BACK)
-        if t > 0.0:
-            pieces.spans[rows], pieces.modes[rows], pieces.commands[rows] = t, toward * kind, u
-            rows += 1
-        if not ended:
-            break
-        if z[1] * toward < 0.0:
-            z[1] = 0.0
-        else:
-            side = next_flank(z, side, body)
-        fresh = True
-    for j in range(n):
-        pieces.states[rows * n + j] = z[j]
-    return rows
+    drive = body.vectors[CONSTANT_STUCK * n + 3] + body.finger_stiffness * z[0]
+    torque, swing = 0.0, 0.0
+    if side == 0:
+        if body.finger_damping == 0.0 or body.finger_stiffness == 0.0:
+            return False
+        rest = drive / body.finger_stiffness
+        away = z[2] - rest
+        far = sqrt(z[3] * z[3] / body.finger_stiffness + away * away)
+        if not (rest + far < 0.0 and rest - far > -body.play):
+            return False
+    else:
+        stiff = body.ratio * body.pad_stiffness + body.finger_stiffness
+        if body.finger_damping + body.pad_damping == 0.0 or stiff == 0.0:
+            return False
+        if side < 0:
+            drive -= body.ratio * body.pad_stiffness * body.play
+        rest = drive / stiff
+        away = z[2] - rest
+        energy = sqrt(z[3] * z[3] / body.ratio + stiff / body.ratio * away * away)
+        swing = (body.pad_damping * sqrt(body.ratio) + body.pad_stiffness * sqrt(body.ratio / stiff)) * energy
+        torque = side * body.pad_stiffness * overlap(rest, side, body)
+        if not side * torque > swing:
+            return False
+    return abs(u + body.vectors[CONSTANT_HELD * n + 1] - torque) + swing + late <= body.friction

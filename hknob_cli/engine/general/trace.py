@@ -5,10 +5,10 @@ from typing import Any, NamedTuple
 from hknob_cli.engine.general.advance import next_mode, slide
 from hknob_cli.engine.general.body import acceleration
 from hknob_cli.engine.general.controller import command, read_after
+from hknob_cli.engine.general.flanks import play_chart
 from hknob_cli.engine.general.interval import advance, advance_jittering
 from hknob_cli.engine.general.jitter import begin_clock, jitters, next_span
 from hknob_cli.engine.general.slide_two import way
-from hknob_cli.engine.general.teeth import play_chart
 
 
 def run(z, before, ring, head, samples, body, wall, pad, states, torques):

@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow as pa
 
 from hknob_cli.engine.general.advance import advance_span
-from hknob_cli.engine.general.body import CONSTANT, Body
+from hknob_cli.engine.general.body import CONSTANT, CONSTANT_HELD, CONSTANT_STUCK, Body
 from hknob_cli.engine.general.controller import command, read, read_after
 from hknob_cli.engine.general.hysteresis import turn_and_count
 from hknob_cli.engine.general.jitter import begin_clock, jitters, next_span
@@ -19,6 +19,7 @@ from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import AT_KNOB, FINGER, START, TRAJECTORY, axis_column
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
 from hknob_cli.scene.unsampled_knob import reduce_unsampled
+from hknob_cli.specs.capabilities import TRIALS, engine_of
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import (
     COUNTS,
@@ -114,7 +115,7 @@ def _instants(plan: SweepPlan, scene: Scene, cell: Cell, trial: int, angle: floa
     counts = int(cell[COUNTS]) if COUNTS in cell else None
     if not scene.sampled:
         return _unsampled(plan, scene, counts, angle)
-    if scene.controller:
+    if engine_of(scene, TRIALS) == "laws":
         return _with_law(plan, cell, trial, angle)
     knob = sample_general(scene, sample_rate_hz=cell[RATE], counts_per_rev=counts)
     phase = (trial + 0.5) / plan.starts.phases
@@ -157,10 +158,18 @@ def energy(scene: Scene, push: float, one: Instant) -> float:
     return total + 0.5 * hand.stiffness * one.angle**2
 
 
-def pulsed(body: Body, torque: float) -> Body:
-    """The body with one more constant acceleration of the knob."""
+def pulsed(body: Body, torque: float, *, behind: bool = False) -> Body:
+    """The body with one more constant torque, as an acceleration of what is sensed.
+
+    ``behind``: whether it acts on the knob behind a gear, and not on what is sensed.
+    """
     vectors = list(body.vectors)
     n = body.order
+    if behind:
+        for constant in (CONSTANT, CONSTANT_HELD, CONSTANT_STUCK):
+            if constant * n + 3 < len(vectors):
+                vectors[constant * n + 3] -= body.ratio * torque
+        return body._replace(vectors=vectors)
     vectors[CONSTANT * n + 1] += torque
     if body.ratio > 0.0:
         vectors[CONSTANT * n + 3] += torque
@@ -171,7 +180,8 @@ def _pulse_on(knob: GeneralKnob, record: Record) -> tuple[Body, float] | None:
     """The body while the recording's pulse acts on it, and when that ends, in sample periods; None without one."""
     if not record.pulse:
         return None
-    return pulsed(knob.body, record.pulse.torque / knob.torque_nm), record.pulse.duration / knob.period_s
+    body = pulsed(knob.body, record.pulse.torque / knob.torque_nm, behind=knob.behind)
+    return body, record.pulse.duration / knob.period_s
 
 
 def record_trial(

@@ -14,6 +14,7 @@ from hknob_cli.engine.general.controller import Controller, edge_gap, read_after
 from hknob_cli.engine.general.follow import FIELDS, captured
 from hknob_cli.engine.general.hysteresis import pass_still, turn_and_count, way_at_most
 from hknob_cli.engine.general.search import GeneralEngine
+from hknob_cli.errors import ComputationError
 from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.scene.trial import simulate
 from hknob_cli.stages.dfa.run import DfaStage
@@ -131,6 +132,36 @@ def test_a_recording_is_the_trials_motion() -> None:
     assert max(row["torque_nm"] for row in sampled) > 0.0
 
 
+DAMPED = TEXT.replace("wall: {stiffness: 0.27}", "wall: {stiffness: 0.27, damping: 1.0e-5}")
+
+
+def test_virtual_damping_beside_it_is_that_of_a_controller_without_effect() -> None:
+    """The wall as a law, and a controller that damps by 0: the same cells, orbits and recordings."""
+    idle = "  controller: {kind: velocity_damping, damping: 0.0}\ngrid:"
+    record = "record: {duration: 0.05, interval: 0.0007}\n"
+    one, other = loaded(DAMPED + record), loaded(DAMPED.replace("grid:", idle) + record)
+    assert record_sweep(one).to_pylist() == record_sweep(other).to_pylist()
+    by_wall, by_law = SweepStage(one, jobs=1).run(), SweepStage(other, jobs=1).run()
+    assert by_wall.cells.to_pylist() == by_law.cells.to_pylist()
+    assert by_wall.orbits.to_pylist() == by_law.orbits.to_pylist()
+    (cell,) = by_wall.cells.to_pylist()
+    assert cell["certified_fraction"] == 1.0
+
+
+def test_a_grid_may_have_it_with_and_without_virtual_damping() -> None:
+    both = SweepStage(loaded(TEXT.replace("grid:", "grid:\n  wall.damping: [0.0, 1.0e-5]")), jobs=1).run()
+    alone = [SweepStage(loaded(text), jobs=1).run() for text in (TEXT, DAMPED)]
+    found = [row for one in alone for row in one.orbits.to_pylist()]
+    assert [row["p2p_rad"] for row in both.orbits.to_pylist()] == [row["p2p_rad"] for row in found]
+    assert len({row["p2p_rad"] for row in found}) == 2
+
+
+def test_the_loop_without_a_law_says_that_it_does_not_take_both() -> None:
+    plan = loaded(DAMPED)
+    with pytest.raises(ComputationError, match="is followed under a law"):
+        sample_general(plan.scene, sample_rate_hz=1000.0, counts_per_rev=1024)
+
+
 def test_without_a_width_nothing_changes() -> None:
     """No engine of its own, no other numbers."""
     zero = loaded(TEXT.replace("hysteresis_counts: 0.5", "hysteresis_counts: 0.0, backlash: 0.0"))
@@ -186,16 +217,6 @@ STARTS = "starts: {angle: 0.02, velocity: 0.0, phases: 4}"
         ("hysteresis_counts: 0.5", "hysteresis_counts: -0.5", f"spec.yaml:8:32: {PLACE}: must be >= 0, got -0.5"),
         ("hysteresis_counts: 0.5", "hysteresis: 0.5", "hysteresis_counts"),
         ("hysteresis_counts: 0.5", "backlash: 1 kg", "spec.yaml:8:23: scene.encoder.backlash"),
-        (
-            "wall: {stiffness: 0.27}",
-            "wall: {stiffness: 0.27, damping: 1.0e-5}",
-            "6:36: scene.wall.damping: must be absent beside hysteresis of the encoder: it needs the counts",
-        ),
-        (
-            "  sample_rate_hz: [1000]",
-            "  sample_rate_hz: [1000]\n  wall.damping: [0.0, 1.0e-5]",
-            'grid["wall.damping"]: must be absent beside hysteresis of the encoder',
-        ),
         ("velocity: 0.0, phases: 4", "velocity: 0.0, basins: 2", "basins"),
         (
             STARTS,

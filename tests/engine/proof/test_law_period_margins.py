@@ -56,7 +56,7 @@ class Stage(NamedTuple):
     guard: float = 1e9
     strength: float = 5.0
     anchored: bool = True
-    marks: tuple[float, float] = (inf, inf)
+    marks: tuple[float, ...] = (inf, inf, inf)
     missed: float | None = None  # by which what fades is not back, wherever it begins; else it fades to 2
     late: tuple[float, ...] = (0.0,) * (PARTS * AGES)
     sinks: float = 0.0
@@ -635,7 +635,7 @@ def test_a_turn_sees_every_sample_and_every_look(monkeypatch: pytest.MonkeyPatch
     def move(past: Any, at: int, _: Any, __: Any, room: Any, count: int) -> None:
         assert (at, count) == (len(moves) % pieces * PIECE, 2)
         if not moves:
-            assert room.marks == [inf, inf]
+            assert room.marks == [inf, inf, inf]
             assert [room.cols[c * room.width + i] for c in range(2) for i in range(2)] == [1.0, 0.0, 0.0, 1.0]
             assert [room.cols[room.width**2 + c] for c in range(2)] == [0.0, 0.0]
         moves.append(at)

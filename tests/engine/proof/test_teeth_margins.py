@@ -39,14 +39,16 @@ def test_teeth_that_carry_a_torque_stay_on_their_flank_that_far() -> None:
 def test_a_cycle_on_one_flank_is_proven_as_far_as_teeth_do_not_part(
     monkeypatch: pytest.MonkeyPatch, torque: float, margin: float
 ) -> None:
-    stage = STAGE._replace(marks=(torque, inf))
+    stage = STAGE._replace(marks=(inf, inf, torque))
     for part, status in ((0.999, PROVEN), (1.001, NOT_CAPTURED)):
         off = np.array([0.0, 0.0, 1.0, 0.0])
         near = PLACE[:4] + part * margin / (MESH.reach * norm(off.tolist(), MESH)) * off
         found = prove(monkeypatch, stage, near, MESH)
         assert (found.status, found.margin) == (status, pytest.approx(margin, rel=1e-12))
     # Without play there are no teeth that could part.
-    assert prove(monkeypatch, STAGE._replace(marks=(-1.0, inf)), PLACE[:4], MESH._replace(play=0.0)).status == PROVEN
+    assert (
+        prove(monkeypatch, STAGE._replace(marks=(inf, inf, -1.0)), PLACE[:4], MESH._replace(play=0.0)).status == PROVEN
+    )
 
 
 def test_a_cycle_whose_teeth_part_is_not_proven(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -54,11 +56,11 @@ def test_a_cycle_whose_teeth_part_is_not_proven(monkeypatch: pytest.MonkeyPatch)
     assert 0.0 < bound < 1e-12
     for part, status in ((1.001, PROVEN), (0.999, PARTS), (-1.0, PARTS)):
         torque = part * bound / MESH.reach * STIFF
-        found = prove(monkeypatch, STAGE._replace(marks=(torque, inf)), PLACE[:4], MESH)
+        found = prove(monkeypatch, STAGE._replace(marks=(inf, inf, torque)), PLACE[:4], MESH)
         # A trial as near as a rounding to it is within half of that room only where the room is larger.
         assert found.status == status or (status == PROVEN and found.status == NOT_CAPTURED)
         assert (found.status == PARTS) == (status == PARTS)
-    apart = STAGE._replace(matrix=np.diag([1.5, 0.5, 0.5, 0.5]), marks=(-1.0, inf))
+    apart = STAGE._replace(matrix=np.diag([1.5, 0.5, 0.5, 0.5]), marks=(inf, inf, -1.0))
     assert prove(monkeypatch, apart, PLACE[:4], MESH).status == DIFFERENT
 
 

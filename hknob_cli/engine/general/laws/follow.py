@@ -15,7 +15,17 @@ from hknob_cli.engine.follow import (
 )
 from hknob_cli.engine.general.body import distance
 from hknob_cli.engine.general.controller import depth_level, read_after
-from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, FIELDS, KNOWN, PATIENCE, WAIT, has_period
+from hknob_cli.engine.general.follow import (
+    BESIDE,
+    CYCLE_AT_EVENT,
+    CYCLE_EXPANDS,
+    CYCLE_PARTS,
+    FIELDS,
+    KNOWN,
+    PATIENCE,
+    WAIT,
+    has_period,
+)
 from hknob_cli.engine.general.laws.cascade import (
     apart,
     faded,
@@ -29,7 +39,7 @@ from hknob_cli.engine.general.laws.law import AT_SWITCH, CYCLE_AT_SWITCH
 from hknob_cli.engine.general.laws.period import REPEATS, certify_with_law
 from hknob_cli.engine.general.laws.rest import settles_with_law
 from hknob_cli.engine.general.laws.step import advance_with_law, copy_to
-from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS
+from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS
 from hknob_cli.engine.general.standstill import SETTLING
 from hknob_cli.engine.rest import AT_REST, REST_ON_EDGE, RINGS
 
@@ -49,6 +59,8 @@ def fate_of(status, law):
         return CYCLE_AT_EVENT
     if status == AT_SWITCH:
         return CYCLE_AT_SWITCH
+    if status == PARTS:
+        return CYCLE_PARTS
     if status == EXPANDS:
         return CYCLE_EXPANDS if law.provable else law.unproven
     return UNSETTLED
@@ -172,7 +184,10 @@ def follow_with_law(
                         kept, kept_fate = since, fate_of(status, law)
                         copy_to(keep, space.orbit)
                         copy_to(keeppast, law.periodic)
-                        if not law.provable and (wall.analog == 0.0 or gap <= CLOSE * (1.0 + abs(x))):
+                        for j in range(n):
+                            space.away[j] = z[j] - keep[j]
+                        beside = status == PARTS and unlike(space.away, past, keeppast, body, law) < BESIDE
+                        if beside or (not law.provable and (wall.analog == 0.0 or gap <= CLOSE * (1.0 + abs(x)))):
                             copy_to(z, keep)
                             copy_to(past, keeppast)
                             return kept_fate, since, i

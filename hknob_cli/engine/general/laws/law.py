@@ -12,7 +12,7 @@ SPAN, S, G, F, TORQUE, LOOK, MATRIX = range(PIECE)
 PAIR_NORM, PAIR_ACROSS, PAIR = 4, 8, 9
 BLOCK = 256  # samples over which rounding is followed one by one
 ROUNDINGS = 16.0  # of a torque, or of an update of what fades
-AT_SWITCH = 7  # status of a proof: a guard of the law lies within the error bound
+AT_SWITCH = 8  # status of a proof: a guard of the law lies within the error bound
 
 # Fates beside those of `general.follow`.
 CYCLE_AT_SWITCH = 12

@@ -22,8 +22,9 @@ from hknob_cli.engine.general.laws.cascade import (
 from hknob_cli.engine.general.laws.law import AT_SWITCH, LOOK, PIECE, ROUNDINGS
 from hknob_cli.engine.general.laws.sensed import begin_columns, certify_sensed, move_piece_columns
 from hknob_cli.engine.general.laws.step import FREE, advance_with_law, copy_to, count_piece, decide
-from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, LEAST_SCALE, NEWTON_STEPS
+from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, LEAST_SCALE, NEWTON_STEPS, PARTS
 from hknob_cli.engine.general.powers import dissipates, invert
+from hknob_cli.engine.general.teeth import flank_room
 
 REPEATS = 1e-8  # counts, relative: by which what cannot be proven must come back
 SURE = 1e-9  # of a sum: far more than the roundings of all samples that are ever taken
@@ -41,7 +42,8 @@ def turn_with_law(past, period, body, wall, law, space, m):
         space.cols[width * width + c] = 0.0  # torques do not depend on where the plant is, between edges
     for i in range(n):
         space.state[i] = space.orbit[i]
-    space.marks[0], space.marks[1] = float("inf"), float("inf")
+    for i in range(3):
+        space.marks[i] = float("inf")
     margin, edge, guard = float("inf"), float("inf"), FREE
     reach, pace, strength = 0.0, 0.0, 0.0
     anchored = law.anchor < 0
@@ -207,13 +209,21 @@ def certify_with_law(z, past, period, body, wall, law, space):
         short = space.away[n - 1] if body.lag > 0.0 else 0.0
         if not (space.marks[0] > 2.0 * (stiffness(body) * speed + short + wrong) and space.marks[1] > speed):
             return AT_EVENT, margin, edge, closure, bound
+    parts = False
+    if body.play > 0.0:
+        room = flank_room(space.marks[2], body)
+        parts = not room > bound
+        if not parts:
+            margin = min(margin, room)
     if not margin > bound:
         return ON_EDGE, margin, edge, closure, bound
     law.room[0] = guard - worn if law.drifts < 0 else spare
     if law.guarded and not guard > worn:
         return AT_SWITCH, margin, edge, closure, bound
     if not settled or not dissipates(space.cols, space.width, space.power, space.spare, n, scale, period):
-        return EXPANDS, margin, edge, closure, bound
+        return (DIFFERENT if parts and settled else EXPANDS), margin, edge, closure, bound
+    if parts:
+        return PARTS, margin, edge, closure, bound
     for i in range(n):
         space.residual[i] = z[i] - space.orbit[i]
     near = apart(space.residual, past, law.periodic, body, law) + bound < margin

@@ -12,6 +12,7 @@ from hknob_cli.engine.general.inner_region import ROUNDINGS, hold_zone
 from hknob_cli.engine.general.laws.cascade import faded, pushed_apart, same_count, settle_faded, torques_apart
 from hknob_cli.engine.general.laws.step import copy_to, decide
 from hknob_cli.engine.general.standstill import SETTLING, rest_rounding, stays_held
+from hknob_cli.engine.general.teeth import flank_room
 from hknob_cli.engine.rest import AT_REST, MOVING, REST_ON_EDGE, RINGS
 
 
@@ -95,6 +96,8 @@ def settles_with_law(z, shown, past, body, wall, law, orbit, away):
         gap = edge_gap(orbit[0], shown, shown, law.watch)
         bound = rest_rounding(z, orbit[0], abs(u) + wrong / (ROUNDINGS * EPSILON), body)
         reach = distance(away, body) + push
+        if body.play > 0.0 and not reach + bound < flank_room(body.pad_stiffness * orbit[2], body):
+            return MOVING
         if reach + bound < gap:
             return AT_REST if body.damped else RINGS
         return REST_ON_EDGE if abs(gap) <= bound and reach < 1e-6 else MOVING
@@ -118,8 +121,11 @@ def settles_with_law(z, shown, past, body, wall, law, orbit, away):
         away[2] = stiffness * (rest + body.shift) / body.pad_stiffness
     if body.lag > 0.0:
         away[n - 1] = u
+    torque = body.pad_stiffness * away[2] if body.play > 0.0 else 0.0
     for i in range(n):
         away[i] = z[i] - away[i]
     gap = edge_gap(rest, shown, shown, law.watch)
     reach = distance(away, body) + push + ROUNDINGS * EPSILON * (1.0 + abs(rest) + abs(z[0]))
+    if body.play > 0.0 and not reach < flank_room(torque, body):
+        return MOVING
     return SETTLING if reach < gap else MOVING

@@ -11,7 +11,7 @@ from hknob_cli.engine.budget import TrialBudget
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.ensemble import TrialSpace
 from hknob_cli.engine.general.follow import FIELDS
-from hknob_cli.engine.general.laws import step, trials
+from hknob_cli.engine.general.laws import parting, step, trials
 from hknob_cli.engine.general.laws.law import Law
 from hknob_cli.engine.general.search import GeneralEngine, TorqueRange, torque_range
 
@@ -35,7 +35,9 @@ class LawEngine(GeneralEngine):
         self._law = self._ready(law)
         self._trials: Callable[..., Any] = found.get("general.laws.run_trials_with_law", trials.run_trials_with_law)
         self._pieces: Callable[..., Any] = found.get("general.laws.chart_with_law", step.chart_with_law)
+        self._rate: Callable[..., Any] = found.get("general.laws.parting_with_law", parting.parting_with_law)
         self._run_trials = self._run_with_law
+        self._part = self._part_with_law
         self._chart = self._chart_with_law
 
     @property
@@ -89,6 +91,12 @@ class LawEngine(GeneralEngine):
         )
         trial.counts[0] = rows
         return overflow, samples
+
+    def _part_with_law(
+        self, state: Any, before: float, past: Any, samples: int, body: Any, wall: Any, space: Any
+    ) -> float:
+        del before
+        return float(self._rate(state, past, samples, body, wall, self._law, space))
 
     def _chart_with_law(
         self, state: Any, before: float, past: Any, period: int, body: Any, wall: Any, *rest: Any

@@ -80,7 +80,7 @@ def move_piece(z, past, piece, body, law, pad):
         else:
             y = u + body.drive - body.beta * z[0]
             z[0], z[1] = z[0] + (s * z[1] + g * y), f * z[1] + s * y
-    elif body.friction > 0.0:
+    elif body.friction > 0.0 or body.play > 0.0:
         rub_many(z, u, law.sched[at + SPAN], body, pad)
     else:
         advance_hold(z, u, int(law.sched[at + MATRIX]), body, pad)

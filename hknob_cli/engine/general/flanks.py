@@ -1,0 +1,167 @@
+"""Motion from flank to flank: mode after mode of teeth with play, with its derivative, and written down.
+
+A difference of two motions keeps its direction where teeth part; where they meet, the rates jump by -c o' in the mesh,
+and the difference by -c times its own part in d, however fast they meet (Leine & Nijmeijer 2004, sec. 7).
+"""
+
+from hknob_cli.engine.general.body import HALVINGS, STUCK, STUCK_HALVES
+from hknob_cli.engine.general.columns import spread_by, spread_many, turn_round
+from hknob_cli.engine.general.teeth import (
+    APART,
+    BACK,
+    SPRUNG,
+    STUCK_APART,
+    STUCK_BACK,
+    TURNED,
+    direction,
+    flank,
+    press,
+    teeth_pull,
+)
+
+
+def next_flank(z, side, body):
+    """Flank after a mode has ended at ``z``: none after one, else the nearer."""
+    if side != 0:
+        return 0
+    return 1 if z[2] > -0.5 * body.play else -1
+
+
+def pass_end(z, u, side, toward, end, body):
+    """Flank, and direction, after a mode has ended at ``z``, whose speed is 0 where it has turned round."""
+    if body.friction == 0.0:
+        if toward != 0 and (end == TURNED or z[1] * toward < 0.0):
+            z[1] = 0.0
+        else:
+            side = next_flank(z, side, body)
+        return side, 0 if toward == 0 else direction(z, u, side, body)
+    if end == SPRUNG:
+        side = next_flank(z, side, body)
+    elif toward == 0:  # released, though rounding may say otherwise
+        return side, 1 if teeth_pull(z, 0, u, side, body) > 0.0 else -1
+    else:
+        z[1] = 0.0
+    return side, direction(z, u, side, body)
+
+
+def play_many(z, u, span, body, pad):
+    """Move ``z`` over any time up to a sample period from flank to flank."""
+    left = span
+    side = flank(z, body)
+    toward = direction(z, u, side, body) if body.friction > 0.0 else 0
+    fresh = toward != 0 and z[1] == 0.0
+    while left > 0.0:
+        t, ended, _ = press(z, u, side, toward, left, fresh, body, pad)
+        left -= t
+        if ended == 0:
+            break
+        side, toward = pass_end(z, u, side, toward, ended, body)
+        fresh = True
+
+
+def meet(z, side, cols, count, width, body):
+    """The columns where teeth meet: the rates of both bodies jump by the damper's torque (saltation matrix)."""
+    if not side * z[3] > 0.0:
+        return
+    for c in range(count):
+        jump = body.pad_damping * cols[c * width + 2]
+        cols[c * width + 1] -= jump
+        cols[c * width + 3] -= (1.0 + body.ratio) * jump
+
+
+def meet_with_friction(z, u, side, before, toward, cols, count, width, body):
+    """As `meet`, of a motor that friction holds before or after; ``before``, ``toward``: its direction."""
+    if not side * z[3] > 0.0:
+        return
+    pull = 0.0 if toward == 0 else (teeth_pull(z, 0, u, side, body) - toward * body.friction) / z[3]
+    for c in range(count):
+        jump = body.pad_damping * cols[c * width + 2]
+        own = -jump if before != 0 else pull * cols[c * width + 2]
+        cols[c * width + 1] += own
+        cols[c * width + 3] += own - body.ratio * jump
+
+
+def spread_teeth(cols, command, count, width, span, side, toward, body, pad):
+    """Move the columns over ``span`` in one mode."""
+    if toward == 0 and body.friction > 0.0:
+        apart = 1 if side == 0 else 0
+        halves = STUCK_HALVES + apart * HALVINGS
+        spread_by(cols, command, count, width, span, STUCK + apart, halves, False, body, pad)
+    else:
+        spread_many(cols, command, count, width, span, side, body, pad)
+
+
+def play_columns(z, u, span, body, pad, cols, command, count, width, marks):
+    """As `advance.rub_columns`, from flank to flank, with its ``marks``.
+
+    ``marks[2]`` keeps the least torque of the mesh; below 0 where teeth have parted.
+    """
+    left = span
+    side = flank(z, body)
+    rubs = body.friction > 0.0
+    toward = direction(z, u, side, body) if rubs else 0
+    fresh = toward != 0 and z[1] == 0.0
+    if rubs and z[1] == 0.0:
+        marks[0] = min(marks[0], abs(abs(teeth_pull(z, 0, u, side, body)) - body.friction))
+    while left > 0.0:
+        t, ended, least = press(z, u, side, toward, left, fresh, body, pad)
+        spread_teeth(cols, command, count, width, t, side, toward, body, pad)
+        marks[2] = min(marks[2], least if side != 0 else -1.0)
+        left -= t
+        if ended == 0:
+            break
+        before, ago = toward, side
+        side, toward = pass_end(z, u, side, toward, ended, body)
+        fresh = True
+        if not rubs:
+            if side != 0:
+                meet(z, side, cols, count, width, body)
+            continue
+        pull = teeth_pull(z, 0, u, side, body)
+        if z[1] == 0.0 and (before != 0 or side != ago):
+            marks[0] = min(marks[0], abs(abs(pull) - body.friction))
+        if side != ago:
+            if side != 0:
+                meet_with_friction(z, u, side, before, toward, cols, count, width, body)
+        elif before != 0:
+            rate = pull - before * body.friction
+            after = 0.0 if toward == 0 else pull - toward * body.friction
+            if rate != 0.0:
+                turn_round(cols, count, width, (after - rate) / rate, body)
+    if rubs and toward != 0:
+        marks[1] = min(marks[1], abs(z[1]))
+
+
+def kind_of(side, toward, body):
+    """Mode of a piece that is written down."""
+    if toward == 0 and body.friction > 0.0:
+        return 0 if side > 0 else (STUCK_APART if side == 0 else STUCK_BACK)
+    return toward * (1 if side > 0 else (APART if side == 0 else BACK))
+
+
+def play_chart(z, u, span, body, pad, rows, pieces):
+    """As `trace.chart`, from flank to flank; modes are by the sign of the speed 1, `APART` or `BACK`.
+
+    Those of a motor that is held are 0, `STUCK_APART` or `STUCK_BACK`.
+    """
+    n = body.order
+    left = span
+    side = flank(z, body)
+    toward = direction(z, u, side, body)
+    fresh = body.friction > 0.0 and toward != 0 and z[1] == 0.0
+    while left > 0.0 and rows < len(pieces.spans):
+        for j in range(n):
+            pieces.states[rows * n + j] = z[j]
+        t, ended, _ = press(z, u, side, toward, left, fresh, body, pad)
+        left -= t
+        if t > 0.0:
+            pieces.spans[rows], pieces.commands[rows] = t, u
+            pieces.modes[rows] = kind_of(side, toward, body)
+            rows += 1
+        if ended == 0:
+            break
+        side, toward = pass_end(z, u, side, toward, ended, body)
+        fresh = True
+    for j in range(n):
+        pieces.states[rows * n + j] = z[j]
+    return rows
