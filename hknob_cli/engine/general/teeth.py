@@ -153,6 +153,8 @@ def told(z, u, pad, side, toward, h, pace, twist, jerk, body):
     """Whether at most one thing happens within ``h``, and once: the mode ends, or the motor turns round."""
     if toward == 0 and body.friction > 0.0:
         turning = stuck_told(z, u, pad, side, h, body)
+    elif toward != 0 and jerk == 0.0 and pad[1] == 0.0:
+        turning = True  # nothing changes the speed
     elif toward != 0 and not keeps_sign(toward * z[1], toward * pad[1], jerk, h):
         turning = abs(pad[1]) > jerk * h
     else:
@@ -198,6 +200,16 @@ def least_torque(z, pad, side, h, twist, body):
     return max(ends - 0.125 * twist * h * h, first + min(slope, 0.0) * h - 0.5 * twist * h * h)
 
 
+def loose_bound(pad, body):
+    """As `slide_many.sliding_bound`, of a motor whose teeth do not press: nothing of the knob's motion reaches it."""
+    late = abs(pad[body.order - 1]) if body.lag > 0.0 else 0.0
+    square = pad[1] * pad[1]
+    if body.coil > 0.0:
+        square += body.coil * pad[coil_at(body)] * pad[coil_at(body)]
+    size = sqrt(square) + (late / body.lag if body.lag > 0.0 else 0.0)
+    return size * (body.alpha + sqrt(body.coil)) + late
+
+
 def press(z, u, side, toward, left, fresh, body, pad):
     """Move ``z`` on one flank, or on none, until that ends or ``left`` is over: ``(time, end of `over_now`, least)``.
 
@@ -225,6 +237,8 @@ def press(z, u, side, toward, left, fresh, body, pad):
         size = norm_at(pad, 0, body)
         pace, jerk = size * (1.0 + root), sliding_bound(pad, 0, body)
         twist = body.pad_stiffness * pace + body.pad_damping * (jerk + own * size)
+        if side == 0 and (body.friction > 0.0 or body.alpha > 1.0):
+            jerk = loose_bound(pad, body)  # else a motor that slows down for ever is followed in tiny steps
         deepest = SHORTEST if fresh else HALVINGS - 1
         clear = told(z, u, pad, side, toward, h, pace, twist, jerk, body)
         while not clear and half < deepest:
