@@ -26,7 +26,7 @@ from tests.mutation.mutate import Mutant, mutants
 from tests.mutation.table import GROUPS, PACKAGE, ROOT, files_of, watchers_of
 from tests.mutation.whole import SCORES, section
 
-BUDGET = Budget(slowest_s=6.0, in_all_s=20.0, whole=False)
+BUDGET = Budget(slowest_s=4.0, in_all_s=10.0, whole=False)
 FOLDER = ROOT / "results" / "mutation"
 VERDICTS = (SURVIVES, OUT_OF_TIME, NOT_CALLED, NOT_PLACED)  # beside those that count as killed
 

@@ -39,10 +39,12 @@ SPEC_TESTS = (
     *("motor", "over_angle", "parquet", "people", "points", "presets", "pulses", "quantity", "remedies", "schema"),
     *("seal", "source", "squeeze"),
 )
+CLI_OF_SPECS = ("explain", "new", "population", "predict", "presets", "remarks", "stdin", "sysid_foreign")
 WIRED = (
     *("agreed_wall", "block_order", "campaign", "control", "drivers", "frame", "journal", "knob_motion", "measures"),
     *("messages", "nuisances", "person", "pump", "replay", "safety", "sample_clock", "serial_device", "session"),
-    *("spoilt_trials", "tables", "trial_run", "virtual"),
+    *("grip_trigger", "pulse_campaign", "pulse_loop", "pulse_person", "spoilt_trials", "tables", "trial_run"),
+    *("virtual", "virtual_motor"),
 )
 WATCHED: dict[str, tuple[str, ...]] = {
     "certificate.py": ("tests/engine/test_certificate.py", f"{PROOF}test_certificate_margins.py"),
@@ -106,7 +108,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/laws/sensed.py": (f"{PROOF}test_sensed_margins.py",),
     "controllers/fading_pair.py": ("tests/controllers/test_fading_pair.py",),
     "hardware/safety.py": tuple(
-        f"tests/hardware/test_{name}.py" for name in ("safety", "safety_margins", "agreed_wall")
+        f"tests/hardware/test_{name}.py" for name in ("safety", "safety_margins", "agreed_wall", "control")
     ),
 }
 # Which tests watch over a file that the table above does not have, by the first of these that its name begins with: all
@@ -121,7 +123,13 @@ FOLDERS: dict[str, tuple[str, ...]] = {
     "engine/": (*(f"tests/engine/test_{name}.py" for name in PLAIN), PROOF),
     "controllers/": ("tests/controllers/",),
     "measure/": ("tests/measure/", "tests/engine/orbit/"),
-    "specs/": tuple(f"tests/specs/test_{name}.py" for name in SPEC_TESTS),
+    "specs/": (
+        *(f"tests/specs/test_{name}.py" for name in SPEC_TESTS),
+        *(f"tests/faults/test_{name}.py" for name in ("bad_specs", "bad_designs", "named_files", "untrusted_specs")),
+        *(f"tests/scene/test_{name}.py" for name in ("sampled_cells", "sampled_knob", "torque_over_angle")),
+        *(f"tests/cli/test_{name}.py" for name in CLI_OF_SPECS),
+        *("tests/recordings/test_foreign.py", "tests/test_stage_table.py"),
+    ),
     "hardware/": (*(f"tests/hardware/test_{name}.py" for name in WIRED),),
 }
 # Folder groups, each by what its files' names begin with; a file is in the first that it fits.
