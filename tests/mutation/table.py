@@ -43,8 +43,8 @@ CLI_OF_SPECS = ("explain", "new", "population", "predict", "presets", "remarks",
 WIRED = (
     *("agreed_wall", "block_order", "campaign", "control", "drivers", "frame", "journal", "knob_motion", "measures"),
     *("messages", "nuisances", "person", "pump", "replay", "safety", "sample_clock", "serial_device", "session"),
-    *("grip_trigger", "pulse_campaign", "pulse_loop", "pulse_person", "spoilt_trials", "tables", "trial_run"),
-    *("virtual", "virtual_motor"),
+    *("grip_trigger", "pulse_campaign", "pulse_loop", "pulse_person", "spoilt_trials", "tables", "trial_phases"),
+    *("trial_run", "virtual", "virtual_motor"),
 )
 WATCHED: dict[str, tuple[str, ...]] = {
     "certificate.py": ("tests/engine/test_certificate.py", f"{PROOF}test_certificate_margins.py"),
@@ -107,6 +107,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/sets/search.py": (f"{PROOF}test_general_search_margins.py",),
     "general/laws/sensed.py": (f"{PROOF}test_sensed_margins.py",),
     "controllers/fading_pair.py": ("tests/controllers/test_fading_pair.py",),
+    "hardware/trial_phases.py": ("tests/hardware/test_trial_phases.py",),
     "hardware/safety.py": tuple(
         f"tests/hardware/test_{name}.py" for name in ("safety", "safety_margins", "agreed_wall", "control")
     ),
