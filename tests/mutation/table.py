@@ -108,6 +108,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/laws/sensed.py": (f"{PROOF}test_sensed_margins.py",),
     "controllers/fading_pair.py": ("tests/controllers/test_fading_pair.py",),
     "hardware/sample_clock.py": tuple(f"tests/hardware/test_sample_clock{end}.py" for end in ("", "_margins")),
+    "hardware/replay.py": tuple(f"tests/hardware/test_replay{end}.py" for end in ("", "_margins")),
     "hardware/trial_phases.py": ("tests/hardware/test_trial_phases.py",),
     "hardware/safety.py": tuple(
         f"tests/hardware/test_{name}.py" for name in ("safety", "safety_margins", "agreed_wall", "control")
