@@ -20,7 +20,7 @@ import sys
 import time
 import types
 from collections import defaultdict
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import NamedTuple
@@ -332,8 +332,10 @@ class Called:
             yield from ((Path(path), name, line) for name, line in sorted(places))
 
 
-def run(chosen: list[Mutant], hear: Callable[[Mutant, str], None], budget: Budget) -> Campaign:
-    """Run the tests of the changed files against every change; see `Campaign`."""
+def run(
+    chosen: list[Mutant], hear: Callable[[Mutant, str], None], budget: Budget, tests: Iterable[Path] = ()
+) -> Campaign:
+    """Run tests, by default those of the changed files, against every change; see `Campaign`."""
     from hypothesis import HealthCheck, Phase, settings
 
     # The same examples for every change; a failing one need not be made small; time is not judged.
@@ -346,9 +348,8 @@ def run(chosen: list[Mutant], hear: Callable[[Mutant, str], None], budget: Budge
         suppress_health_check=list(HealthCheck),
     )
     settings.load_profile("mutation")
-    files = list(
-        dict.fromkeys(str(test) for path in dict.fromkeys(m.path for m in chosen) for test in watchers_of(path))
-    )
+    watching = tests or (test for path in dict.fromkeys(m.path for m in chosen) for test in watchers_of(path))
+    files = list(dict.fromkeys(map(str, watching)))
     ForksHere.longest_s = 4.0 * budget.slowest_s
     forked.Forks = lambda: ForksHere(forget)  # type: ignore[assignment, misc]
     campaign = Campaign(chosen, hear, budget)

@@ -35,11 +35,22 @@ BODIES = (
 PLAIN = ("attractors", "bounces", "certificate", "extremes", "rest")
 # Without those that run every pair of parts, and every preset.
 SPEC_TESTS = (
-    *("bounds", "capabilities", "cells", "design", "edges_of_rules", "gear", "grid", "hand_from", "hand_of_table"),
+    *(
+        "bounds",
+        "capabilities",
+        "cells",
+        "design",
+        "edges_of_rules",
+        "edges_of_words",
+        "gear",
+        "grid",
+        "hand_from",
+        "hand_of_table",
+    ),
     *("motor", "over_angle", "parquet", "people", "points", "presets", "pulses", "quantity", "remedies", "schema"),
     *("seal", "source", "squeeze"),
 )
-CLI_OF_SPECS = ("explain", "new", "population", "predict", "presets", "remarks", "stdin", "sysid_foreign")
+CLI_OF_SPECS = ("explain", "new", "new_asks", "population", "predict", "presets", "remarks", "stdin", "sysid_foreign")
 WIRED = (
     *("agreed_wall", "block_order", "campaign", "control", "drivers", "frame", "journal", "knob_motion", "measures"),
     *("messages", "nuisances", "person", "pump", "replay", "safety", "sample_clock", "serial_device", "session"),
