@@ -142,6 +142,7 @@ class Campaign:
         self.chosen, self.hear, self.budget = chosen, hear, budget
         self.failed: list[str] = []
         self.took: dict[str, float] = {}
+        self.slow: list[str] = []
         self.reached: dict[Place, set[str]] = defaultdict(set)  # tests by what they reach
         self.found = Called({})
         self.shared: dict[str, set[Place]] = {}  # what a fixture of many tests reaches
@@ -166,11 +167,11 @@ class Campaign:
             return True
         for failure in self.failed:
             print(f"left out, fails without any change: {failure.splitlines()[0]}", flush=True)
-            self.took.pop(failure.splitlines()[0], None)
+            self.took[failure.splitlines()[0]] = float("inf")
         self.failed.clear()
-        never = float("inf")
-        items = {one.nodeid: one for one in session.items if self.took.get(one.nodeid, never) <= self.budget.slowest_s}
-        for nodeid in self.took.keys() - items.keys():
+        items = {one.nodeid: one for one in session.items if self.took[one.nodeid] <= self.budget.slowest_s}
+        self.slow = sorted(self.took.keys() - items.keys())
+        for nodeid in self.slow:
             print(f"too slow to run each time: {nodeid} ({self.took[nodeid]:.1f} s)", flush=True)
         gc.collect()
         gc.freeze()  # a child that collected garbage would copy all of it
@@ -333,7 +334,12 @@ class Called:
 
 
 def run(
-    chosen: list[Mutant], hear: Callable[[Mutant, str], None], budget: Budget, tests: Iterable[Path] = ()
+    chosen: list[Mutant],
+    hear: Callable[[Mutant, str], None],
+    budget: Budget,
+    *,
+    tests: Iterable[Path] = (),
+    left_out: Iterable[str] = LEFT_OUT,
 ) -> Campaign:
     """Run tests, by default those of the changed files, against every change; see `Campaign`."""
     from hypothesis import HealthCheck, Phase, settings
@@ -354,7 +360,7 @@ def run(
     forked.Forks = lambda: ForksHere(forget)  # type: ignore[assignment, misc]
     campaign = Campaign(chosen, hear, budget)
     options = ["-o", "addopts=", "--import-mode=importlib", "-p", "no:cacheprovider", "-p", "no:terminal"]
-    options += [option for name in LEFT_OUT for option in ("--deselect", name)]
+    options += [option for name in left_out for option in ("--deselect", name)]
     options += ["-W", "ignore::pytest.PytestAssertRewriteWarning"]
     pytest.main([*options, "-p", "no:xdist", "-p", "no:logging", "--rootdir", str(ROOT), *files], plugins=[campaign])
     return campaign

@@ -25,7 +25,7 @@ if __name__ == "__main__":
 from tests.mutation.accepted import Accepted
 from tests.mutation.campaign import NOT_CALLED, NOT_PLACED, OUT_OF_TIME, SURVIVES, Budget, run
 from tests.mutation.mutate import Mutant, mutants
-from tests.mutation.table import GROUPS, PACKAGE, ROOT, files_of, watchers_of
+from tests.mutation.table import GROUPS, LEFT_OUT, PACKAGE, ROOT, files_of, watchers_of
 from tests.mutation.whole import SCORES, section
 
 BUDGET = Budget(slowest_s=4.0, in_all_s=4.0, whole=False)
@@ -74,6 +74,8 @@ def judge(group: str, count: int, seed: int) -> None:
     path = place_of(group, seed)
     path.parent.mkdir(parents=True, exist_ok=True)
     there = verdicts_in(path)
+    slow = FOLDER / f"{group}-slow.json"  # tests that are not waited for a second time
+    left_out: list[str] = json.loads(slow.read_text()) if slow.exists() else []
     by_tests: dict[tuple[Path, ...], dict[str, Mutant]] = {}
     for key, one in drawn(group, count, seed).items():
         if key in there:
@@ -89,7 +91,9 @@ def judge(group: str, count: int, seed: int) -> None:
         def hear(mutant: Mutant, verdict: str, keys: dict[int, str] = keys) -> None:
             note(path, keys[id(mutant)], mutant, verdict)
 
-        found = run(list(some.values()), hear, BUDGET, tests)
+        found = run(list(some.values()), hear, BUDGET, tests=tests, left_out=[*LEFT_OUT, *left_out])
+        left_out += found.slow
+        slow.write_text(json.dumps(left_out))
         for failure in found.failed:
             print(f"cannot be judged: {failure}", flush=True)
 
@@ -107,7 +111,7 @@ def judge_again(group: str, seed: int, tests: list[Path]) -> None:
         else:
             note(path, keys[id(mutant)], mutant, verdict)
 
-    run([every[key] for key in keys.values()], hear, BUDGET, tests)
+    run([every[key] for key in keys.values()], hear, BUDGET, tests=tests)
 
 
 def note(path: Path, key: str, mutant: Mutant, verdict: str) -> None:

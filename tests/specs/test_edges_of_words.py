@@ -10,9 +10,9 @@ import pytest
 from pydantic.fields import FieldInfo
 
 from hknob_cli.errors import Fault, SpecError
-from hknob_cli.specs.campaign import Person
+from hknob_cli.specs.campaign import Course, Grip, Person
 from hknob_cli.specs.hand import HandSpec, hand_contradictions
-from hknob_cli.specs.load import _kind_fault, load_text, spec_model, validate
+from hknob_cli.specs.load import _kind_fault, load, load_text, spec_model, validate
 from hknob_cli.specs.messages import shown
 from hknob_cli.specs.over_angle import EndStops
 from hknob_cli.specs.part import _default
@@ -21,11 +21,12 @@ from hknob_cli.specs.perception import Perceive
 from hknob_cli.specs.pipeline import _input_fault
 from hknob_cli.specs.plan import Encoder, Finger, Fingerpad, Hand, Knob, Scene, Wall
 from hknob_cli.specs.pulses import PulsePlan
+from hknob_cli.specs.refusals import _within
 from hknob_cli.specs.seal import _TAIL, tail_of
 from hknob_cli.specs.source import parse, span_of
 from hknob_cli.specs.standard_input import given
 from hknob_cli.specs.starter import _named
-from hknob_cli.specs.starts import StartsSpec
+from hknob_cli.specs.starts import RANDOM, StartsSpec
 from hknob_cli.specs.suggest import unknown_path
 from hknob_cli.specs.tried import ActingSpec, acting_faults
 from hknob_cli.specs.virtual_apparatus import VirtualSpec
@@ -199,3 +200,45 @@ def test_what_a_campaign_is_held_against_is_kept() -> None:
 def test_grips_of_a_hand_that_is_yet_to_be_made_are_not_looked_at() -> None:
     spec = HandSpec.model_validate({"from": "made/conditions.parquet"})
     assert hand_contradictions(spec, 1e-6, {"hand.grip_n": [1.0]}) == []
+
+
+def test_a_grip_at_the_edge_of_its_band_is_held() -> None:
+    course = Course(grip=Grip(target=0.75, band=0.25))
+    assert [course.is_held(grip) for grip in (0.49, 0.5, 1.0, 1.01)] == [False, True, True, False]
+    assert Course(grip=None).is_held(7.0)
+
+
+def test_one_stage_of_a_kind_is_read_and_two_are_not(tmp_path: Path) -> None:
+    (tmp_path / "knob.yaml").write_text(SPEC)
+    (tmp_path / "pages.yaml").write_text("kind: pipeline\nname: p\nstages: {knob: {spec: knob.yaml}}\n")
+    assert load(tmp_path / "pages.yaml", kind="sweep").name == "small"
+    (tmp_path / "pages.yaml").write_text(
+        "kind: pipeline\nname: p\nstages: {knob: {spec: knob.yaml}, other: {spec: knob.yaml}}\n"
+    )
+    with pytest.raises(SpecError, match=r"is a pipeline; hknob run runs it\. Specs of its sweep stages: .*, .*knob"):
+        load(tmp_path / "pages.yaml", kind="sweep")
+
+
+def test_a_place_within_one_that_is_refused_is_not_said_again() -> None:
+    place = ("scene", "wall", "damping")
+    assert _within(place, [(("scene", "wall"), "")])
+    assert not _within(place, [(("scene",), ""), (("scene", "hand"), "")])
+
+
+def test_how_many_starts_are_drawn_is_kept() -> None:
+    assert StartsSpec(angle=(0.1, 0.4), velocity=(-1.0, 3.0), random=7).plain().phases == 7
+    assert StartsSpec(angle=(0.1, 0.4), velocity=(-1.0, 3.0)).plain().phases == RANDOM
+
+
+def test_a_squeeze_without_a_push_asks_for_nothing() -> None:
+    text = SPEC.replace("hand: {inertia: 3.0e-7, damping: 3.45e-4, stiffness: 0.04}", "hand: {table: 1, grip_n: 0.71}")
+    text = text.replace("  bias: {torque: 0.001}\n", "  squeeze: {friction: 0.5, radius: 0.01}\n")
+    assert not any("must ask for at most" in one.message for one in faults_or_none(text))
+
+
+def test_a_controller_without_a_model_goes_with_an_elastic_gear() -> None:
+    gear = "gear: {ratio: 8, motor_inertia: 1.0e-8, stiffness: 10}\n  wall:"
+    for kind, refused in (("bounded_lag, keep: 0.5", False), ("matched_wall", True)):
+        text = SPEC.replace("  wall:", f"  controller: {{kind: {kind}}}\n  {gear}")
+        said = "must be one without a model of knob and hand where the gear has a stiffness"
+        assert any(one.message.startswith(said) for one in faults_or_none(text)) is refused
