@@ -120,6 +120,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "controllers/fading_pair.py": ("tests/controllers/test_fading_pair.py",),
     "hardware/sample_clock.py": tuple(f"tests/hardware/test_sample_clock{end}.py" for end in ("", "_margins")),
     "hardware/replay.py": tuple(f"tests/hardware/test_replay{end}.py" for end in ("", "_margins")),
+    "hardware/wire/block_order.py": tuple(f"tests/hardware/test_block_order{end}.py" for end in ("", "_margins")),
     "hardware/trial_phases.py": ("tests/hardware/test_trial_phases.py",),
     "hardware/safety.py": tuple(
         f"tests/hardware/test_{name}.py" for name in ("safety", "safety_margins", "agreed_wall", "control")
