@@ -50,8 +50,10 @@ SPEC_TESTS = (
     *("motor", "over_angle", "parquet", "people", "points", "presets", "pulses", "quantity", "remedies", "schema"),
     *("seal", "source", "squeeze"),
 )
+OF_MEASURES = ("backlash", "energy_balance", "gear", "general_orbits", "motor", "peak_to_peak", "unsampled_motion")
 CLI_OF_SPECS = ("explain", "new", "new_asks", "population", "predict", "presets", "remarks", "stdin", "sysid_foreign")
 WIRED = (
+    *("edges", "safety_margins", "block_order_margins", "sample_clock_margins", "replay_margins"),
     *("agreed_wall", "block_order", "campaign", "control", "drivers", "frame", "journal", "knob_motion", "measures"),
     *("messages", "nuisances", "person", "pump", "replay", "safety", "sample_clock", "serial_device", "session"),
     *("grip_trigger", "pulse_campaign", "pulse_loop", "pulse_person", "spoilt_trials", "tables", "trial_phases"),
@@ -138,7 +140,10 @@ FOLDERS: dict[str, tuple[str, ...]] = {
     "engine/pulse": ("tests/identify/",),
     "engine/": (*(f"tests/engine/test_{name}.py" for name in PLAIN), PROOF),
     "controllers/": ("tests/controllers/",),
-    "measure/": ("tests/measure/", "tests/engine/orbit/"),
+    "measure/": (
+        *("tests/measure/", "tests/engine/orbit/", "tests/stages/sweep/test_run.py"),
+        *(f"tests/verification/test_{name}.py" for name in OF_MEASURES),
+    ),
     "specs/": (
         *(f"tests/specs/test_{name}.py" for name in SPEC_TESTS),
         *(f"tests/faults/test_{name}.py" for name in ("bad_specs", "bad_designs", "named_files", "untrusted_specs")),
