@@ -54,6 +54,7 @@ def test_a_table_over_the_angle_is_in_newton_meters() -> None:
     """A spring below half a radian, and the wall's, at the counts' lower edges."""
     told = settings(1000, 1000, wall_stiffness=0.25)
     found = over_angle_of(Effects(end_stops=EndStops(2.0, low=-0.5)), told)
+    assert (found.first, len(found.torques)) == (-86, 91)  # from within the stop to where nothing is left
     wall = ShapedWall(told, found)
     for count in (-1, -100, -200):
         angle = count * tau / 1000
@@ -63,7 +64,7 @@ def test_a_table_over_the_angle_is_in_newton_meters() -> None:
 
 
 @pytest.mark.parametrize("rounding", ROUNDINGS)
-@pytest.mark.parametrize("native", [1000, 1001])
+@pytest.mark.parametrize("native", [5, 1000, 1001])
 def test_counts_of_the_wall_are_exact(rounding: str, native: int) -> None:
     """Against whole fractions: one by one, and many at once."""
     told = settings(1000, 512, converters=Converters(rounding=ROUNDINGS.index(rounding)))
