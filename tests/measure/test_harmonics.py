@@ -116,6 +116,12 @@ def test_the_number_of_harmonics_is_up_to_and_with_the_highest() -> None:
     assert harmonic_count(10**9, sample_period_s=1e-3, highest_hz=99.0) == MOST_HARMONICS
 
 
+def test_one_harmonic_reaches_below_the_next() -> None:
+    one = Harmonics(np.array([10.0]), np.array([1.0 + 0.0j]))
+    assert one.reach(19.9)
+    assert not one.reach(20.0)
+
+
 def test_what_is_missing_is_known() -> None:
     some = Harmonics(np.array([100.0, 200.0, 300.0]), np.ones(3, complex))
     assert some.reach(320.0)

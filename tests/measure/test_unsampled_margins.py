@@ -3,12 +3,13 @@
 from math import inf, isnan, sqrt
 from typing import Any
 
+import numpy as np
 import pytest
 
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.unsampled import settling
 from hknob_cli.engine.unsampled.wall_pieces import Unsampled, potential, rest_range, wall_potential
-from hknob_cli.measure.unsampled import CHATTER, UnsampledTrial, _is_doubtful, _reach, events, settle
+from hknob_cli.measure.unsampled import CHATTER, Motion, UnsampledTrial, _is_doubtful, _reach, events, settle
 from tests.measure.test_unsampled import B, knob
 
 EPSILON = 2.0**-52
@@ -85,6 +86,7 @@ def test_what_is_lost_is_lost_to_damping_or_friction(damping: float, friction: f
         (1.0, 6.0, {"gamma": 0.0}, 6.0),
         (1.0, 6.0, {"gamma": 0.0, "kappa": 0.5}, 12.0),
         (2.0, 1.0, {"kappa": 0.0}, 2.0),
+        (0.5, 0.25, {"kappa": 0.0}, 0.5),
     ],
 )
 def test_how_far_a_motion_may_reach(x: float, v: float, changes: dict[str, float], reach: float) -> None:
@@ -125,3 +127,11 @@ def test_chatter_is_rest_a_millionth_of_a_count_from_its_edge() -> None:
     plain = events(one, angle_rad=0.02, velocity_rad_s=0.0, duration_s=0.5)
     asked = events(one, angle_rad=0.02, velocity_rad_s=0.0, duration_s=0.5, chatter_counts=1e-6)
     assert plain.rows.tolist() == asked.rows.tolist()
+
+
+@pytest.mark.parametrize(("push", "wall"), [(5.0, 6.0), (7.0, 7.0), (9.0, 8.0)])
+def test_torque_of_the_wall_at_rest_on_an_edge(push: float, wall: float) -> None:
+    """What holds the push, between what the wall has on both sides; friction takes the rest."""
+    one = knob(1024)._replace(loop=LOOP._replace(gamma=push, phi=3.0))
+    motion = Motion(one, 1.0, np.array([[0.0, 3.0, -3.0, 0.0, 0.0, 0.0]]))
+    assert motion.torque_nm == pytest.approx([wall * one.torque_nm])
