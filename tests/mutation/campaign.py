@@ -267,8 +267,10 @@ class Campaign:
             else:
                 heard = SURVIVES
         finally:
-            os.write(write, heard.encode())
-            os._exit(0)
+            try:
+                os.write(write, heard.encode())
+            finally:
+                os._exit(0)  # whatever becomes of who began it
 
 
 @contextmanager
