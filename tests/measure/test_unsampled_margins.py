@@ -9,6 +9,7 @@ import pytest
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.unsampled import settling
 from hknob_cli.engine.unsampled.wall_pieces import Unsampled, potential, rest_range, wall_potential
+from hknob_cli.errors import ComputationError
 from hknob_cli.measure.unsampled import CHATTER, Motion, UnsampledTrial, _is_doubtful, _reach, events, settle
 from tests.measure.test_unsampled import B, knob
 
@@ -135,3 +136,53 @@ def test_torque_of_the_wall_at_rest_on_an_edge(push: float, wall: float) -> None
     one = knob(1024)._replace(loop=LOOP._replace(gamma=push, phi=3.0))
     motion = Motion(one, 1.0, np.array([[0.0, 3.0, -3.0, 0.0, 0.0, 0.0]]))
     assert motion.torque_nm == pytest.approx([wall * one.torque_nm])
+
+
+@pytest.mark.parametrize(
+    ("changes", "row", "wall"),
+    [
+        ({"counted": 0.0}, [0.0, 1.0, 0.0, -2.5, 1.0, -1.0], 5.0),
+        ({"counted": 0.0}, [0.0, 0.0, 0.0, 2.5, 1.0, -1.0], 0.0),
+        ({}, [0.0, 3.0, -3.0, 0.5, 1.0, 1.0], 6.0),
+        ({}, [0.0, 3.0, -3.0, 0.0, 1.0, 1.0], 6.0),
+        ({}, [0.0, 3.0, -3.0, 0.5, 0.0, 0.0], 6.0),
+        ({}, [0.0, 0.0, 0.0, 0.5, 1.0, 1.0], 0.0),
+        ({"kappa": 0.0}, [0.0, 0.0, 0.0, 0.0, 0.0, 0.0], 0.0),
+    ],
+)
+def test_torque_of_the_wall_just_after_an_event(changes: dict[str, float], row: list[float], wall: float) -> None:
+    """Of a continuous sensor by the depth, else that of the level, wherever in it the knob is."""
+    one = knob(1024)._replace(loop=LOOP._replace(**changes))
+    assert Motion(one, 1.0, np.array([row])).torque_nm == pytest.approx([wall * one.torque_nm])
+
+
+def test_a_motion_is_known_from_its_start_to_its_end() -> None:
+    motion = events(knob(64), angle_rad=0.02, velocity_rad_s=0.0, duration_s=0.1)
+    assert motion.at(np.array([0.0, 0.1]))[0][0] == pytest.approx(0.02)
+    for time in (-1e-9, 0.1 + 1e-9):
+        with pytest.raises(ValueError, match=r"between 0 and 0\.1 s"):
+            motion.at(np.array([0.05, time]))
+
+
+@pytest.mark.parametrize(("angle", "speed"), [(1e290, 0.0), (0.0, 1e290), (-1e290, 0.0)])
+def test_a_motion_beyond_all_numbers_is_refused(angle: float, speed: float) -> None:
+    with pytest.raises(ComputationError, match="overflow"):
+        events(knob(64), angle_rad=angle, velocity_rad_s=speed, duration_s=1e10)
+
+
+def test_without_damping_nothing_is_lost_to_it() -> None:
+    """Whatever the roundings of the balance of energy leave."""
+    one = knob(1024, knob={"inertia": 1.9e-6, "coulomb_torque": 1e-4}, hand={"inertia": 3e-7})
+    said = found(one, 99, end=-2.5, path=30.0)
+    assert said.damping_loss_j == 0.0
+    assert said.friction_loss_j > 0.0
+
+
+def test_rest_at_the_edge_of_the_wall_is_on_an_edge() -> None:
+    """There, too, the torques on both sides decide."""
+    loop = LOOP._replace(gamma=1.0)
+    assert not _is_doubtful(0.0, loop)
+    assert _is_doubtful(0.0, loop._replace(gamma=2.0))
+    assert _is_doubtful(0.0, loop._replace(gamma=0.0))
+    assert _reach(-4.0, 0.0, LOOP._replace(gamma=16.0, kappa=0.5)) == pytest.approx(32.0)
+    assert _reach(-25.0, 0.0, LOOP._replace(gamma=4.0, kappa=0.25)) == pytest.approx(sqrt(800.0))
