@@ -158,7 +158,7 @@ def table(seed: int) -> str:
         "",
         f"Seed {seed}, {datetime.date.today():%Y-%m-%d}. *Explained* ones are in `accepted.toml`. *Out of time*: no "
         f"test failed within {BUDGET.in_all_s:g} s. *Not called*: by no test of at most {BUDGET.slowest_s:g} s in this "
-        "process; compiled code, and commands that run as processes of their own, are tested elsewhere. *Score*: "
+        "process; compiled code is tested elsewhere, and so are commands that a test starts anew. *Score*: "
         "killed, of those that were called and not explained.",
         "",
         "| group | changes | tried | killed | explained | survived | out of time | not called | score |",

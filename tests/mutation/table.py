@@ -23,6 +23,7 @@ STANDSTILL = (
 BODIES = (
     "columns",
     "controller",
+    "event_bounds",
     "inner_region",
     "laws",
     "over_angle",
