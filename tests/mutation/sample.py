@@ -148,6 +148,26 @@ def rows(seed: int) -> Iterator[tuple[str, Counter[str], int, list[tuple[Mutant,
         yield group, counts, len(sample), sorted(survivors, key=lambda one: (str(one[0].path), one[0].line))
 
 
+def in_order(group: str, seed: int) -> tuple[int, str]:
+    """How many changes are judged from the draw's begin on, without a gap, and the score of these."""
+    there, first, counts = verdicts_in(place_of(group, seed)), 0, Counter[str]()
+    for key, one in drawn(group, len(changes_of(group)), seed).items():
+        if key not in there:
+            break
+        verdict = there[key]["verdict"]
+        counts[
+            "explained" if verdict in VERDICTS and reason_of(one) else verdict if verdict in VERDICTS else "killed"
+        ] += 1
+        first += 1
+    return first, score_of(counts)
+
+
+def score_of(counts: Counter[str]) -> str:
+    """Killed, of those that were called and not explained."""
+    judged = counts["killed"] + counts[SURVIVES] + counts[OUT_OF_TIME]
+    return f"{100 * counts['killed'] / judged:.1f} %" if judged else "-"
+
+
 def table(seed: int) -> str:
     """The page `scores.md`."""
     lines = [
@@ -159,19 +179,19 @@ def table(seed: int) -> str:
         f"Seed {seed}, {datetime.date.today():%Y-%m-%d}. *Explained* ones are in `accepted.toml`. *Out of time*: no "
         f"test failed within {BUDGET.in_all_s:g} s. *Not called*: by no test of at most {BUDGET.slowest_s:g} s in this "
         "process; compiled code is tested elsewhere, and so are commands that a test starts anew. *Score*: "
-        "killed, of those that were called and not explained.",
+        "killed, of those that were called and not explained. The files below that are tried whole were tried first: "
+        "the last two columns are of as many changes as were tried in the order of the draw, without a gap.",
         "",
-        "| group | changes | tried | killed | explained | survived | out of time | not called | score |",
-        "|---|---|---|---|---|---|---|---|---|",
+        "| group | changes | tried | killed | explained | survived | out of time | not called | score "
+        "| first | their score |",
+        "|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     listed = ["", "## What survives, and why", ""]
     for group, counts, size, survivors in rows(seed):
         tried, killed = counts.total(), counts["killed"]
-        judged = killed + counts[SURVIVES] + counts[OUT_OF_TIME]
-        score = f"{100 * killed / judged:.1f} %" if judged else "-"
         rest = (counts[one] for one in ("explained", SURVIVES, OUT_OF_TIME))
         away = counts[NOT_CALLED] + counts[NOT_PLACED]
-        cells = (group, size, tried, killed, *rest, away, score)
+        cells = (group, size, tried, killed, *rest, away, score_of(counts), *in_order(group, seed))
         lines.append(f"| {' | '.join(map(str, cells))} |")
         listed += [f"### {group}", ""]
         for one, verdict, reason in survivors:
