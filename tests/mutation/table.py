@@ -139,7 +139,10 @@ FOLDERS: dict[str, tuple[str, ...]] = {
     "engine/general/": (*(f"{GENERAL}test_{name}.py" for name in BODIES), PROOF),
     "engine/sets/": (SETS, PROOF),
     "engine/orbit/": ("tests/engine/orbit/", "tests/measure/"),
-    "engine/unsampled/": ("tests/engine/test_state_machine.py", "tests/measure/test_unsampled.py"),
+    "engine/unsampled/": (
+        "tests/engine/test_state_machine.py",
+        *(f"tests/measure/test_unsampled{end}.py" for end in ("", "_course")),
+    ),
     "engine/pulse": ("tests/identify/",),
     "engine/": (*(f"tests/engine/test_{name}.py" for name in PLAIN), PROOF),
     "controllers/": ("tests/controllers/",),
