@@ -176,7 +176,7 @@ def _native_counts(counts: Counts, angle_rad: Array, name: str) -> int:
     count, angle = float(counts[at]), float(angle_rad[at])
     if count == 0.0:
         return FINEST
-    if angle == 0.0 or not 0.5 <= tau * count / angle <= MOST_COUNTS:
+    if angle == 0.0 or not 0.5 < tau * count / angle <= MOST_COUNTS:
         raise UsageError(f"{name}: {count:.0f} angle_counts where angle_rad is {angle:g}: no encoder has so many")
     return round(tau * count / angle)
 
@@ -273,7 +273,7 @@ class _Playing:
         if at < first < take.number.size:
             number, time_us = int(take.number[at]), int(take.time_us[at])
             self._skipped, self._skipped_us = int(take.number[first]) - number, int(take.time_us[first]) - time_us
-        self._at = max(at, first)
+        self._at = first
 
     def block(self, *, started: bool) -> Block | None:
         take = self._take

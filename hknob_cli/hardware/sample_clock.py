@@ -138,7 +138,7 @@ def histogram(jitter_s: Array, *, bins: int = 61) -> tuple[Array, np.ndarray[Any
         raise ValueError(f"bins must be odd, got {bins}")
     reach = float(np.abs(jitter_s).max()) if jitter_s.size else 0.0
     # One width more than needed: jitter on the outermost edge is inside, however it was rounded.
-    width = CLOCK_S * max(1.0, np.ceil((reach + CLOCK_S) / (0.5 * bins) / CLOCK_S))
+    width = CLOCK_S * np.ceil((reach + CLOCK_S) / (0.5 * bins) / CLOCK_S)
     edges = width * (np.arange(bins + 1) - 0.5 * bins)
     counts, _ = np.histogram(jitter_s, edges)
     return edges, counts.astype(np.int64)
@@ -183,7 +183,7 @@ def fault_of(number: Counts, time_us: Counts, settings: Settings, *, overruns: i
     rate = 1e9 / period_ns
     missed = missed_at(number, time_us, period_ns)
     ticks = number - number[0] + np.concatenate([[0], np.cumsum(missed)])
-    apart = max(1, number.size // 2)
+    apart = number.size // 2
     # Slopes over half the samples, and of these the median: late samples move few of them.
     slopes = (time_us[apart:] - time_us[:-apart]) * 1e3 / ((ticks[apart:] - ticks[:-apart]) * float(period_ns)) - 1.0
     off = float(np.median(slopes))

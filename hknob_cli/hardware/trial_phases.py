@@ -96,7 +96,7 @@ class TrialPhases:
 
     def _note_steps(self, span: float, steps: int) -> None:
         self._recent.append((span, steps))
-        while len(self._recent) > 1 and sum(one for one, _ in self._recent) - self._recent[0][0] >= WINDOW_S:
+        while sum(one for one, _ in self._recent) - self._recent[0][0] >= WINDOW_S:
             self._recent.popleft()
 
     def _stay(self, span: float) -> None:

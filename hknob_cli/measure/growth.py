@@ -15,6 +15,7 @@ from hknob_cli.engine import bounces as plain
 from hknob_cli.engine.ensemble import first_sample
 from hknob_cli.engine.loop import drive_of
 from hknob_cli.engine.propagator import hold_coefficients
+from hknob_cli.engine.turning import zero_spacing
 from hknob_cli.scene.sampled_knob import SampledKnob
 
 Array = NDArray[np.float64]
@@ -90,8 +91,9 @@ def bounce_peaks(
     s, g, f = hold_coefficients(loop.alpha, loop.beta, 1.0 / phases)
     push, stiffness = loop.gamma - loop.beta * knob.shift, loop.beta
     joules = knob.energy_j
-    samples = max(0, ceil(duration_s / knob.period_s))
-    capacity = samples + 2
+    samples = ceil(duration_s / knob.period_s)
+    # One for each change of the torque, and for each turn of the free motion.
+    capacity = samples + 2 + int(0.5 * samples / zero_spacing(loop.alpha, loop.beta))
     times, tops = np.empty(capacity), np.empty(capacity)
     found: list[Peaks] = []
     for phase in range(phases):

@@ -22,7 +22,7 @@ def scalar_field(path: str) -> FieldInfo | None:
             return None
         model = inner
     found = model.model_fields.get(last)
-    return None if found is None or part_of(found) or not _is_number(found) else found
+    return found if found is not None and _is_number(found) else None
 
 
 def scalar_paths() -> list[str]:

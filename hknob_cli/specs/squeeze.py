@@ -66,7 +66,7 @@ def hand_at(hand: Hand, grip_n: float) -> Hand:
         below, one, above, other = above, other, *row
         if grip_n <= above:
             break
-    share = min(max((grip_n - below) / (above - below), 0.0), 1.0) if above > below else 0.0
+    share = (grip_n - below) / (above - below) if above > below else 0.0
     inertia, damping, stiffness = (
         a + share * (b - a) if share < 1.0 else b for a, b in zip(one[:3], other[:3], strict=True)
     )

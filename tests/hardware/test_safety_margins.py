@@ -3,6 +3,8 @@
 Blocks are made by hand, and torques by hand from the wall's law.
 """
 
+import signal
+from concurrent.futures import ThreadPoolExecutor
 from math import tau
 from typing import Any
 
@@ -11,8 +13,8 @@ import pytest
 
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.control import ControlledWall
-from hknob_cli.hardware.port import Block
-from hknob_cli.hardware.safety import LimitMonitor
+from hknob_cli.hardware.port import Block, Converters, OverAngle, PulseOrder
+from hknob_cli.hardware.safety import LimitMonitor, undisturbed
 from tests.hardware.controllers import told
 from tests.hardware.trials import settings
 
@@ -162,3 +164,96 @@ def test_an_index_that_comes_again_is_no_gap_of_less_than_none() -> None:
     late = block([0, 0], [0.0] * 2, first=4)
     plain.check(late._replace(time_us=late.time_us + 10_000))
     assert plain.gaps == 0
+
+
+PULSE = TOLD._replace(pulse=PulseOrder(grip_n=2.0, band_n=0.1, dwell_s=0.0, torque_nm=0.2, width_s=2e-3, release_n=0.5))
+GRIPS = [0.3, 0.3, 1.3, 2.5, 2.5, 2.5, 0.3]  # N of the cell, which shows 0.3 where nobody holds the knob
+TORQUES = [0.0, 0.0, 0.0, 0.2, 0.2, 0.0, 0.0]  # N m: two samples from the one on at which the grip is 2 N
+ON = [False, True, True, True, True, True, True]
+
+
+def pulsed(torques: list[float], first: int = 0, on: Any = None) -> Block:
+    return block([0] * len(torques), torques, first, ON if on is None else on)._replace(grip_n=np.array(GRIPS))
+
+
+def test_the_pulse_that_the_grip_fires_passes() -> None:
+    watch(pulsed(TORQUES), told=PULSE)
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_a_pulse_may_differ_by_a_millionth_of_the_limit(sign: float) -> None:
+    for i, plain in enumerate(TORQUES):
+        torques = list(TORQUES)
+        torques[i] = plain + sign * 0.99e-6 * LIMIT
+        watch(pulsed(torques), told=PULSE)
+        torques[i] = plain + sign * 1.01e-6 * LIMIT
+        with pytest.raises(DeviceError, match=f"is not that of the pulse: .*, at sample {7 + i}$"):
+            watch(pulsed(torques, first=7), told=PULSE)
+
+
+def test_what_is_said_of_a_wrong_pulse() -> None:
+    with pytest.raises(DeviceError) as caught:
+        watch(pulsed([0.0, 0.0, 0.0, 0.2, 0.1, 0.0, 0.0], first=40), told=PULSE)
+    assert str(caught.value) == (
+        "the torque is not that of the pulse: 100 mN m, where the grip that the device told calls for 200, at sample 44"
+    )
+
+
+@pytest.mark.parametrize("edge", [1.0 - 1e-5, 1.0 + 1e-5])
+def test_a_torque_in_steps_may_be_either_of_two_where_roundings_decide(edge: float) -> None:
+    """The wall's torque is 2.5 steps, but for a tenth of the share by which a target's may differ."""
+    step = parts(-10, -10)[0] / 2.5 * edge
+    asked = TOLD._replace(converters=Converters(step_nm=step))
+    for steps in (2, 3):
+        watch(block([-10, -10], [steps * step] * 2), told=asked)
+    for steps in (0.9, 4.1):
+        with pytest.raises(DeviceError, match="is not that of the wall behind its converters: "):
+            watch(block([-10, -10], [steps * step] * 2), told=asked)
+
+
+def test_a_torque_in_steps_is_the_nearest_elsewhere() -> None:
+    step = parts(-10, -10)[0] / 2.501
+    asked = TOLD._replace(converters=Converters(step_nm=step))
+    watch(block([-10, -10], [3 * step] * 2), told=asked)
+    with pytest.raises(DeviceError, match="behind its converters"):
+        watch(block([-10, -10], [2 * step] * 2), told=asked)
+
+
+def test_a_torque_over_the_angle_is_said_to_be_one() -> None:
+    over = OverAngle(first=-4, turn=NATIVE, below=0.0, above=0.0, torques=(0.0, 0.1, 0.2, 0.0))
+    asked = TOLD._replace(over_angle=over, wall_damping=0.0)
+    watch(block([-3, -2], [0.1, 0.2]), told=asked)
+    with pytest.raises(DeviceError, match="is not that of the wall and the torque over the angle: 100 mN m"):
+        watch(block([-3, -2], [0.1, 0.1]), told=asked)
+
+
+def test_an_interruption_waits_until_the_torque_is_off() -> None:
+    """It is heard once, by whoever heard it before."""
+    heard: list[int] = []
+
+    def hear(number: int, _frame: object) -> None:
+        heard.append(number)
+
+    kinds = [signal.SIGTERM, signal.SIGHUP]
+    before = [signal.signal(kind, hear) for kind in kinds]
+    try:
+        with undisturbed():
+            for kind in (*kinds, *kinds):
+                signal.raise_signal(kind)
+            assert heard == []
+        assert heard == kinds
+        assert [signal.getsignal(kind) for kind in kinds] == [hear, hear]
+    finally:
+        for kind, handler in zip(kinds, before, strict=True):
+            signal.signal(kind, handler)
+
+
+def test_another_thread_which_hears_no_interruption_puts_none_off() -> None:
+    handler = signal.getsignal(signal.SIGTERM)
+
+    def same() -> bool:
+        with undisturbed():
+            return signal.getsignal(signal.SIGTERM) is handler
+
+    with ThreadPoolExecutor(1) as pool:
+        assert pool.submit(same).result()

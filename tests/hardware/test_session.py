@@ -451,3 +451,23 @@ def test_a_trip_at_the_first_sample_after_start_is_told_as_a_trip() -> None:
     again = alone._replace(first=alone.first + 1, time_us=alone.time_us + 250)
     wire.session._take_samples(made._replace(block=made.block + 2, samples=again))
     assert "does not say that the wall is on" in (wire.session.failure or "")
+
+
+def test_blocks_lost_just_before_stop_are_asked_for_after_it() -> None:
+    """The torque is off, and the recording is to be whole."""
+    wire = Wire()
+    wire.arm()
+    wire.go(0.1)
+    assert wire.do(Kind.START).state is State.RUNNING
+    wire.go(0.2)
+    lost = len(wire.target.blocks)
+    wire.target.manners.hide = {lost, lost + 1}
+    while len(wire.target.blocks) < lost + 2:
+        wire.step()
+    assert wire.do(Kind.STOP).status is Status.DONE
+    assert not wire.session.is_finished
+    wire.target.manners.hide = set()
+    wire.go(0.08)
+    assert wire.session.is_finished
+    assert wire.session.failure is None
+    assert_whole(wire.got, samples=samples_made(wire))

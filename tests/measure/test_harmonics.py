@@ -15,6 +15,7 @@ from hknob_cli.measure.harmonics import MOST_HARMONICS, Harmonics, harmonic_coun
 from hknob_cli.measure.orbit import Measurer
 from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.scene.sampled_knob import sample_knob
+from hknob_cli.specs.electrical import reduced
 from hknob_cli.specs.scene import SceneSpec
 from tests.engine.general.law_runs import states_with_law
 from tests.verification.general_scenes import LIGHT, STIFF, TWO_PARTS, scene
@@ -108,12 +109,56 @@ def test_beyond_the_plain_loop(name: str, counts: int | None, engine: GeneralEng
         check_moments(measurer, orbit)
 
 
+GEARED = {
+    "knob": {"inertia": 1.9e-6},
+    "hand": {"inertia": 3.0e-7, "damping": 3.45e-4, "stiffness": 0.04},
+    "wall": {"stiffness": 0.27},
+    "bias": {"torque": 1e-3},
+    "gear": {"ratio": 7.4, "motor_inertia": 1e-8, "stiffness": 10.0, "mesh_damping": 2e-4},
+}
+
+
+@pytest.mark.parametrize(
+    ("parts", "counts"),
+    [(scene(), 1024), (GENERAL["late, with friction"], 1024), (GENERAL["lag"], 1024), (GEARED, 360)],
+    ids=["plain", "late, with friction", "lag", "behind a gear"],
+)
+def test_harmonics_are_of_what_the_hand_holds(parts: Any, counts: int, engine: GeneralEngine) -> None:
+    """They add up to its motion at the samples: behind an elastic gear to that of the knob, not of the motor."""
+    plan = reduced(SceneSpec.model_validate(parts).plain())
+    knob = sample_general(plan, sample_rate_hz=1000.0, counts_per_rev=counts)
+    found = engine.search(
+        knob.body,
+        knob.wall,
+        knob.start(0.02, 0.0),
+        rate=knob.rate,
+        phases=2,
+        delay_line=knob.delay_line,
+        max_samples=16384,
+    )
+    measurer = GeneralMeasurer(knob, engine)
+    for orbit in cycles(measurer, found):
+        chart = engine.chart(knob.body, knob.wall, orbit)
+        assert chart is not None
+        begins = np.concatenate([[0.0], np.cumsum(chart.spans)[:-1]])
+        at = [int(np.abs(begins - sample).argmin()) for sample in range(orbit.period)]
+        assert np.abs(begins[at] - np.arange(orbit.period)).max() < 1e-9
+        states = chart.states[at]
+        check_motion(measurer, orbit, states[:, 0] - states[:, 2] if knob.behind else states[:, 0])
+
+
 def test_the_number_of_harmonics_is_up_to_and_with_the_highest() -> None:
     """100 Hz from 10 samples of 1 kHz: 0.1 * 10 rounds to below 1, which must not cost a harmonic."""
     assert harmonic_count(10, sample_period_s=1e-3, highest_hz=300.0) == 3
     assert harmonic_count(10, sample_period_s=1e-3, highest_hz=299.0) == 2
     assert harmonic_count(10, sample_period_s=1e-3, highest_hz=99.0) == 0
     assert harmonic_count(10**9, sample_period_s=1e-3, highest_hz=99.0) == MOST_HARMONICS
+
+
+def test_one_harmonic_reaches_below_the_next() -> None:
+    one = Harmonics(np.array([10.0]), np.array([1.0 + 0.0j]))
+    assert one.reach(19.9)
+    assert not one.reach(20.0)
 
 
 def test_what_is_missing_is_known() -> None:

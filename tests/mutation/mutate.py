@@ -39,12 +39,15 @@ class Mutant(NamedTuple):
     text: str  # of the line
     change: str  # "before => after"
     tree: ast.stmt  # the function, or the assignment, changed
+    owner: str  # the class, of a method
+    statement: int  # first line of the innermost statement that is changed; 0 of the whole
 
     def code(self) -> CodeType:
         """Code of the changed function."""
         whole = self._compiled()
-        name = str(self.function).rpartition(".")[2]
-        return next(one for one in whole.co_consts if isinstance(one, CodeType) and one.co_name == name)
+        for name in str(self.function).split("."):
+            whole = next(one for one in whole.co_consts if isinstance(one, CodeType) and one.co_name == name)
+        return whole
 
     def value(self) -> object:
         """Value of the changed constant."""
@@ -53,7 +56,10 @@ class Mutant(NamedTuple):
         return names[self.name]
 
     def _compiled(self) -> CodeType:
-        return compile(ast.fix_missing_locations(ast.Module([self.tree], [])), str(self.path), "exec")
+        tree = self.tree
+        if self.owner:  # in a class of its name, that `super` works
+            tree = ast.ClassDef(self.owner, [], [], [tree], [])
+        return compile(ast.fix_missing_locations(ast.Module([tree], [])), str(self.path), "exec")
 
     @property
     def name(self) -> str:
@@ -90,17 +96,33 @@ def mutants(path: Path) -> Iterator[Mutant]:
                 if isinstance(before, ast.stmt):
                     before, later = _at(statement, steps), _at(changed, steps)
                 change = f"{ast.unparse(before)} => {ast.unparse(later)}"
-                yield Mutant(path, function, node.lineno, lines[node.lineno - 1].strip(), change, changed)
+                text = lines[node.lineno - 1].strip()
+                ways = [steps[:k] for k in range(1, len(steps) + 1)]
+                inside = [0, *(one.lineno for way in ways if isinstance(one := _at(statement, way), ast.stmt))]
+                yield Mutant(path, function, node.lineno, text, change, changed, owner.strip("."), inside[-1])
 
 
 def noting(path: Path, note: str) -> Iterator[tuple[str, CodeType]]:
-    """Of each function of a file that may be changed: its code, which first runs ``note`` with its name."""
+    """Of each function of a file that may be changed: its code, in which ``note`` runs before each statement.
+
+    ``note`` has ``{name}``, of the function, and ``{line}``, the first line of the statement, or 0 for the function.
+    """
     for owner, statement in _statements(ast.parse(path.read_text())):
         if isinstance(statement, ast.FunctionDef):
             name = owner + statement.name
-            changed = copy.copy(statement)
-            changed.body = [*ast.parse(note.format(name=name)).body, *statement.body]
-            yield name, Mutant(path, name, 0, "", "", changed).code()
+            _note_statements(statement, note.replace("{name}", name))
+            statement.body[:0] = ast.parse(note.format(name=name, line=0)).body
+            yield name, Mutant(path, name, 0, "", "", statement, owner.strip("."), 0).code()
+
+
+def _note_statements(node: ast.AST, note: str) -> None:
+    """Put a note before each statement below this one, in place."""
+    for _, value in ast.iter_fields(node):
+        inner = value if isinstance(value, list) else [value]
+        for one in [one for one in inner if isinstance(one, ast.AST)]:
+            _note_statements(one, note)
+        if isinstance(value, list) and value and isinstance(value[0], ast.stmt):
+            value[:] = [new for one in value for new in (*ast.parse(note.format(line=one.lineno)).body, one)]
 
 
 Steps = tuple[tuple[str, int | None], ...]

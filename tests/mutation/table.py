@@ -23,6 +23,7 @@ STANDSTILL = (
 BODIES = (
     "columns",
     "controller",
+    "event_bounds",
     "inner_region",
     "laws",
     "over_angle",
@@ -35,14 +36,29 @@ BODIES = (
 PLAIN = ("attractors", "bounces", "certificate", "extremes", "rest")
 # Without those that run every pair of parts, and every preset.
 SPEC_TESTS = (
-    *("bounds", "capabilities", "cells", "design", "edges_of_rules", "gear", "grid", "hand_from", "hand_of_table"),
+    *(
+        "bounds",
+        "capabilities",
+        "cells",
+        "design",
+        "edges_of_rules",
+        "edges_of_words",
+        "gear",
+        "grid",
+        "hand_from",
+        "hand_of_table",
+    ),
     *("motor", "over_angle", "parquet", "people", "points", "presets", "pulses", "quantity", "remedies", "schema"),
     *("seal", "source", "squeeze"),
 )
+OF_MEASURES = ("backlash", "energy_balance", "gear", "general_orbits", "motor", "peak_to_peak", "unsampled_motion")
+CLI_OF_SPECS = ("explain", "new", "new_asks", "population", "predict", "presets", "remarks", "stdin", "sysid_foreign")
 WIRED = (
+    *("edges", "safety_margins", "block_order_margins", "sample_clock_margins", "replay_margins"),
     *("agreed_wall", "block_order", "campaign", "control", "drivers", "frame", "journal", "knob_motion", "measures"),
     *("messages", "nuisances", "person", "pump", "replay", "safety", "sample_clock", "serial_device", "session"),
-    *("spoilt_trials", "tables", "trial_run", "virtual"),
+    *("grip_trigger", "pulse_campaign", "pulse_loop", "pulse_person", "spoilt_trials", "tables", "trial_phases"),
+    *("trial_run", "virtual", "virtual_motor"),
 )
 WATCHED: dict[str, tuple[str, ...]] = {
     "certificate.py": ("tests/engine/test_certificate.py", f"{PROOF}test_certificate_margins.py"),
@@ -60,6 +76,9 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "sets/region.py": (f"{PROOF}test_convex_region_margins.py",),
     "sets/absorbing.py": (f"{PROOF}test_absorbing_margins.py", f"{PROOF}test_no_region_margins.py"),
     **{f"orbit/{name}.py": ORBIT for name in ("cycle", "extrema", "forms", "holds", "integrals", "leak")},
+    "measure/harmonics.py": ("tests/measure/test_harmonics.py",),
+    "measure/unsampled.py": tuple(f"tests/measure/test_unsampled{end}.py" for end in ("", "_margins")),
+    "measure/growth.py": tuple(f"tests/measure/test_growth{end}.py" for end in ("", "_by_hand")),
     "general/interval.py": (f"{PROOF}test_interval_margins.py",),
     "general/torque_table.py": (f"{GENERAL}test_torque_table.py",),
     "general/standstill.py": STANDSTILL,
@@ -105,8 +124,12 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/sets/search.py": (f"{PROOF}test_general_search_margins.py",),
     "general/laws/sensed.py": (f"{PROOF}test_sensed_margins.py",),
     "controllers/fading_pair.py": ("tests/controllers/test_fading_pair.py",),
+    "hardware/sample_clock.py": tuple(f"tests/hardware/test_sample_clock{end}.py" for end in ("", "_margins")),
+    "hardware/replay.py": tuple(f"tests/hardware/test_replay{end}.py" for end in ("", "_margins")),
+    "hardware/wire/block_order.py": tuple(f"tests/hardware/test_block_order{end}.py" for end in ("", "_margins")),
+    "hardware/trial_phases.py": ("tests/hardware/test_trial_phases.py",),
     "hardware/safety.py": tuple(
-        f"tests/hardware/test_{name}.py" for name in ("safety", "safety_margins", "agreed_wall")
+        f"tests/hardware/test_{name}.py" for name in ("safety", "safety_margins", "agreed_wall", "control")
     ),
 }
 # Which tests watch over a file that the table above does not have, by the first of these that its name begins with: all
@@ -116,12 +139,24 @@ FOLDERS: dict[str, tuple[str, ...]] = {
     "engine/general/": (*(f"{GENERAL}test_{name}.py" for name in BODIES), PROOF),
     "engine/sets/": (SETS, PROOF),
     "engine/orbit/": ("tests/engine/orbit/", "tests/measure/"),
-    "engine/unsampled/": ("tests/engine/test_state_machine.py", "tests/measure/test_unsampled.py"),
+    "engine/unsampled/": (
+        "tests/engine/test_state_machine.py",
+        *(f"tests/measure/test_unsampled{end}.py" for end in ("", "_course")),
+    ),
     "engine/pulse": ("tests/identify/",),
     "engine/": (*(f"tests/engine/test_{name}.py" for name in PLAIN), PROOF),
     "controllers/": ("tests/controllers/",),
-    "measure/": ("tests/measure/", "tests/engine/orbit/"),
-    "specs/": tuple(f"tests/specs/test_{name}.py" for name in SPEC_TESTS),
+    "measure/": (
+        *("tests/measure/", "tests/engine/orbit/", "tests/stages/sweep/test_run.py"),
+        *(f"tests/verification/test_{name}.py" for name in OF_MEASURES),
+    ),
+    "specs/": (
+        *(f"tests/specs/test_{name}.py" for name in SPEC_TESTS),
+        *(f"tests/faults/test_{name}.py" for name in ("bad_specs", "bad_designs", "named_files", "untrusted_specs")),
+        *(f"tests/scene/test_{name}.py" for name in ("sampled_cells", "sampled_knob", "torque_over_angle")),
+        *(f"tests/cli/test_{name}.py" for name in CLI_OF_SPECS),
+        *("tests/recordings/test_foreign.py", "tests/test_stage_table.py"),
+    ),
     "hardware/": (*(f"tests/hardware/test_{name}.py" for name in WIRED),),
 }
 # Folder groups, each by what its files' names begin with; a file is in the first that it fits.

@@ -40,7 +40,7 @@ class HostClock:
         if len(self._points) < _LEAST_BLOCKS:
             return None
         arrived, told = np.array(self._points).T
-        if told[-1] <= told[0] or arrived[-1] <= arrived[0]:
+        if arrived[-1] <= arrived[0]:
             return None
         late = arrived - told
         third = len(late) // 3
@@ -81,7 +81,6 @@ class BlockOrder:
         self._ahead: dict[int, Block] = {}
         self._sample = 0
         self._time_us = 0
-        self._seen = 0
         self._gap_since: float | None = None
         self._asked = -ASK_EVERY_S
 
@@ -95,8 +94,9 @@ class BlockOrder:
         """First block that is missing, and how many are up to the next one held, or to the last made."""
         if self._ahead:
             return self.expected, min(self._ahead) - self.expected
-        last = self._seen if self.total is None else self.total
-        return (self.expected, last - self.expected) if self.expected < last else None
+        if self.total is None or self.complete:
+            return None
+        return self.expected, self.total - self.expected
 
     def take(self, message: Samples, *, now: float) -> list[Block]:
         """Blocks that can be handed on now. Raises DeviceError if their samples do not follow on each other."""
@@ -113,7 +113,6 @@ class BlockOrder:
             self._follow(block)
             ordered.append(block)
             self.expected += 1
-        self._seen = max(self._seen, self.expected)
         self._time_gap(now, progress=bool(ordered))
         return ordered
 

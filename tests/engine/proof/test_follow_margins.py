@@ -188,6 +188,7 @@ def test_an_orbit_that_nothing_damps_attracts_nothing() -> None:
         assert [motion.step() for _ in range(40)] == [0.0, -1.0] * 20
         assert abs(motion.x - x) < 1e-12
     assert followed(loop, float(x), float(v), 40, (-1.0,))[::5] == (UNDAMPED, 40)
+    assert followed(loop, float(x), float(v), 40, (-1.0,), final=False)[::5] == (UNDAMPED, 40)
 
 
 def test_a_trial_at_the_limit_has_grown() -> None:

@@ -1,0 +1,188 @@
+"""Measures of trials without a sample clock, by hand: from what the engine found to what is said, and each bound."""
+
+from math import inf, isnan, sqrt
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hknob_cli.engine.outcome import Outcome, Reason
+from hknob_cli.engine.unsampled import settling
+from hknob_cli.engine.unsampled.wall_pieces import Unsampled, potential, rest_range, wall_potential
+from hknob_cli.errors import ComputationError
+from hknob_cli.measure.unsampled import CHATTER, Motion, UnsampledTrial, _is_doubtful, _reach, events, settle
+from tests.measure.test_unsampled import B, knob
+
+EPSILON = 2.0**-52
+LOOP = Unsampled(alpha=0.0, beta=0.0, kappa=2.0, gamma=6.0, phi=0.0, offset=0.0, counted=1.0)
+
+
+def found(one: Any, fate: int, *, moments: Any = None, **values: float) -> UnsampledTrial:
+    """What is said of a trial from 0.02 rad and 0.5 rad/s that the engine ends so."""
+    names = ("end", "events", "bounces", "contact", "settled", "path", "top", "bottom", "drift")
+    said = (fate, *(values.get(name, 0.0) for name in names))
+    functions = {"unsampled.settle_motion": lambda *_: said, "unsampled.swing_moments": lambda *_: moments}
+    return settle(one, angle_rad=0.02, velocity_rad_s=0.5, max_events=9, functions=functions)
+
+
+def energy_at_the_start(one: Any) -> float:
+    x, v = one.position(0.02), one.speed(0.5)
+    return 0.5 * v * v + potential(x, one.loop)
+
+
+def test_a_period_is_said_in_si() -> None:
+    """Half of it takes 4, in which the distance from the middle has the integral 2 and its square 9."""
+    one = knob(1024)
+    low, _ = rest_range(one.loop)
+    values = {"events": 7.0, "bounces": 3.0, "contact": 2.5, "top": 5.0, "drift": 0.75}
+    said = found(one, settling.BOUNCES_ON, moments=(4.0, -3.0, 2.0, 9.0), **values)
+    assert (said.outcome, said.reason, said.cycles) == (Outcome.CYCLE, Reason.CONSERVATIVE, 1)
+    assert (said.bounces, said.events) == (3, 7)
+    assert said.contact_s == pytest.approx(2.5 * one.unit_s)
+    assert said.p2p_rad == pytest.approx(8.0 * one.unit_rad)
+    assert (said.min_rad, said.max_rad) == (one.angle_rad(-3.0), one.angle_rad(5.0))
+    assert said.rms_rad == pytest.approx(sqrt(9.0 / 4.0 - 0.25) * one.unit_rad)
+    assert said.frequency_hz == pytest.approx(0.125 / one.unit_s)
+    assert said.energy_drift == pytest.approx(0.75 / (energy_at_the_start(one) - potential(low, one.loop)))
+    assert (said.wall_work_j, said.damping_loss_j, said.friction_loss_j) == (0.0, 0.0, 0.0)
+
+
+def test_what_never_touches_the_wall_has_no_contact() -> None:
+    said = found(knob(1024), settling.GOES_AWAY, contact=inf)
+    assert isnan(said.contact_s)
+    assert (said.outcome, said.reason) == (Outcome.DIVERGED, Reason.LEAVES)
+    assert found(knob(1024), settling.OUT_OF_EVENTS).reason is Reason.EVENT_LIMIT
+
+
+@pytest.mark.parametrize(
+    ("damping", "friction"), [(B, 0.0), (B, 1e-4), (0.0, 1e-4)], ids=["damping", "both", "friction"]
+)
+def test_what_is_lost_is_lost_to_damping_or_friction(damping: float, friction: float) -> None:
+    """Friction takes its torque times the path; without damping it has taken all."""
+    one = knob(1024, knob={"inertia": 1.9e-6, "coulomb_torque": friction}, hand={"inertia": 3e-7, "damping": damping})
+    said = found(one, 99, end=-2.5, path=30.0, settled=6.0)
+    low, high = rest_range(one.loop)
+    rest = -2.5 if low != high else low
+    lost = (energy_at_the_start(one) - potential(rest, one.loop)) * one.energy_j
+    rubbed = one.loop.phi * 30.0 * one.energy_j if damping else lost
+    assert said.outcome is Outcome.REST
+    assert said.friction_loss_j == pytest.approx(rubbed)
+    assert said.damping_loss_j == pytest.approx(lost - rubbed, abs=1e-15)
+    work = wall_potential(one.position(0.02), one.loop) - wall_potential(rest, one.loop)
+    assert said.wall_work_j == pytest.approx(work * one.energy_j)
+    assert said.settling_s == pytest.approx(6.0 * one.unit_s)
+    assert said.min_rad == said.max_rad == one.angle_rad(rest)
+    assert (said.p2p_rad, said.rms_rad, said.frequency_hz) == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("x", "v", "changes", "reach"),
+    [
+        (-9.0, 1.0, {}, 9.0),
+        (0.0, -9.0, {"kappa": 200.0}, 9.0),
+        (0.0, 0.0, {}, 3.0),
+        (0.0, 0.0, {"gamma": -6.0}, 3.0),
+        (1.0, 0.0, {"gamma": 16.0, "kappa": 0.5}, 32.0),
+        (-1.0, 0.0, {"gamma": 16.0, "kappa": 0.0, "beta": 8.0}, 2.0),
+        (1.0, 6.0, {"gamma": 0.0}, 6.0),
+        (1.0, 6.0, {"gamma": 0.0, "kappa": 0.5}, 12.0),
+        (2.0, 1.0, {"kappa": 0.0}, 2.0),
+        (0.5, 0.25, {"kappa": 0.0}, 0.5),
+    ],
+)
+def test_how_far_a_motion_may_reach(x: float, v: float, changes: dict[str, float], reach: float) -> None:
+    """To where it is, rests, is after a unit of time, or swings by its energy."""
+    assert _reach(x, v, LOOP._replace(**changes)) == pytest.approx(reach)
+
+
+def test_rest_on_an_edge_is_doubtful_within_the_roundings() -> None:
+    """Eight of each torque, added in size: where the push is the wall's just above the edge, or just below it."""
+    bound = 8.0 * EPSILON * (2.0 * 4.0 + 6.0)
+    for beside in (4.0, 6.0, 8.0):  # at -3 the wall pushes back by 6 above the edge, and by 8 below it
+        for off in (-1.5, -0.5, 0.5, 1.5):
+            gamma = beside + off * bound
+            decided = gamma - bound > 6.0 and gamma + bound < 8.0
+            assert _is_doubtful(-3.0, LOOP._replace(gamma=gamma)) is not decided
+
+
+def test_damping_and_friction_are_no_torques_of_rest() -> None:
+    assert not _is_doubtful(-3.0, LOOP._replace(gamma=7.0))
+    assert not _is_doubtful(-3.0, LOOP._replace(gamma=6.0, counted=0.0))
+    assert not _is_doubtful(-3.0, LOOP._replace(gamma=6.0, kappa=0.0))
+
+
+@pytest.mark.parametrize(("beta", "phi"), [(1.0, 0.0), (1.0, 5.0), (3.0, 0.0)])
+def test_rest_beside_an_edge_is_doubtful_within_the_roundings(beta: float, phi: float) -> None:
+    loop = LOOP._replace(beta=beta, phi=phi)
+    bound = 8.0 * EPSILON * (2.0 * 4.0 + 6.0 + beta * 3.0 + phi) / beta
+    for sign in (-1.0, 1.0):
+        assert _is_doubtful(-3.0 + sign * 0.8 * bound, loop)
+        assert not _is_doubtful(-3.0 + sign * 1.3 * bound, loop)
+    assert not _is_doubtful(7.0, loop)  # outside the wall the nearest edge is the wall's
+
+
+def test_chatter_is_rest_a_millionth_of_a_count_from_its_edge() -> None:
+    """As it is where nothing else is asked for."""
+    assert CHATTER == 1e-6
+    one = knob(64, hand={"inertia": 3e-7, "damping": B})
+    plain = events(one, angle_rad=0.02, velocity_rad_s=0.0, duration_s=0.5)
+    asked = events(one, angle_rad=0.02, velocity_rad_s=0.0, duration_s=0.5, chatter_counts=1e-6)
+    assert plain.rows.tolist() == asked.rows.tolist()
+
+
+@pytest.mark.parametrize(("push", "wall"), [(5.0, 6.0), (7.0, 7.0), (9.0, 8.0)])
+def test_torque_of_the_wall_at_rest_on_an_edge(push: float, wall: float) -> None:
+    """What holds the push, between what the wall has on both sides; friction takes the rest."""
+    one = knob(1024)._replace(loop=LOOP._replace(gamma=push, phi=3.0))
+    motion = Motion(one, 1.0, np.array([[0.0, 3.0, -3.0, 0.0, 0.0, 0.0]]))
+    assert motion.torque_nm == pytest.approx([wall * one.torque_nm])
+
+
+@pytest.mark.parametrize(
+    ("changes", "row", "wall"),
+    [
+        ({"counted": 0.0}, [0.0, 1.0, 0.0, -2.5, 1.0, -1.0], 5.0),
+        ({"counted": 0.0}, [0.0, 0.0, 0.0, 2.5, 1.0, -1.0], 0.0),
+        ({}, [0.0, 3.0, -3.0, 0.5, 1.0, 1.0], 6.0),
+        ({}, [0.0, 3.0, -3.0, 0.0, 1.0, 1.0], 6.0),
+        ({}, [0.0, 3.0, -3.0, 0.5, 0.0, 0.0], 6.0),
+        ({}, [0.0, 0.0, 0.0, 0.5, 1.0, 1.0], 0.0),
+        ({"kappa": 0.0}, [0.0, 0.0, 0.0, 0.0, 0.0, 0.0], 0.0),
+    ],
+)
+def test_torque_of_the_wall_just_after_an_event(changes: dict[str, float], row: list[float], wall: float) -> None:
+    """Of a continuous sensor by the depth, else that of the level, wherever in it the knob is."""
+    one = knob(1024)._replace(loop=LOOP._replace(**changes))
+    assert Motion(one, 1.0, np.array([row])).torque_nm == pytest.approx([wall * one.torque_nm])
+
+
+def test_a_motion_is_known_from_its_start_to_its_end() -> None:
+    motion = events(knob(64), angle_rad=0.02, velocity_rad_s=0.0, duration_s=0.1)
+    assert motion.at(np.array([0.0, 0.1]))[0][0] == pytest.approx(0.02)
+    for time in (-1e-9, 0.1 + 1e-9):
+        with pytest.raises(ValueError, match=r"between 0 and 0\.1 s"):
+            motion.at(np.array([0.05, time]))
+
+
+@pytest.mark.parametrize(("angle", "speed"), [(1e290, 0.0), (0.0, 1e290), (-1e290, 0.0)])
+def test_a_motion_beyond_all_numbers_is_refused(angle: float, speed: float) -> None:
+    with pytest.raises(ComputationError, match="overflow"):
+        events(knob(64), angle_rad=angle, velocity_rad_s=speed, duration_s=1e10)
+
+
+def test_without_damping_nothing_is_lost_to_it() -> None:
+    """Whatever the roundings of the balance of energy leave."""
+    one = knob(1024, knob={"inertia": 1.9e-6, "coulomb_torque": 1e-4}, hand={"inertia": 3e-7})
+    said = found(one, 99, end=-2.5, path=30.0)
+    assert said.damping_loss_j == 0.0
+    assert said.friction_loss_j > 0.0
+
+
+def test_rest_at_the_edge_of_the_wall_is_on_an_edge() -> None:
+    """There, too, the torques on both sides decide."""
+    loop = LOOP._replace(gamma=1.0)
+    assert not _is_doubtful(0.0, loop)
+    assert _is_doubtful(0.0, loop._replace(gamma=2.0))
+    assert _is_doubtful(0.0, loop._replace(gamma=0.0))
+    assert _reach(-4.0, 0.0, LOOP._replace(gamma=16.0, kappa=0.5)) == pytest.approx(32.0)
+    assert _reach(-25.0, 0.0, LOOP._replace(gamma=4.0, kappa=0.25)) == pytest.approx(sqrt(800.0))
