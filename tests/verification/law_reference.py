@@ -31,7 +31,7 @@ class Firmware:
         plain = {name: part for name, part in scene.items() if name != "controller"}
         self.control = control
         ratio = mp.mpf((scene.get("gear") or {}).get("ratio", 1))
-        self.rig = Rig(plain, rate_hz, counts * ratio, mp.mpf, magnetic_damping(scene))
+        self.rig = Rig(plain, rate_hz, counts and counts * ratio, mp.mpf, magnetic_damping(scene))
         self.law: Law = law_of(self.rig, scene.get("controller"))
         self.before: Any = None
         self.step = float("inf")  # least distance of a torque to where the D/A converter rounds it otherwise, N m
