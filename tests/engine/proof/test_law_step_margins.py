@@ -147,15 +147,18 @@ def pieces() -> list[float]:
     return sched
 
 
-@pytest.mark.parametrize("order", [2, 3])
-@pytest.mark.parametrize("friction", [0.0, 0.5])
-def test_a_piece_moves_under_its_own_torque(monkeypatch: pytest.MonkeyPatch, order: int, friction: float) -> None:
+@pytest.mark.parametrize(
+    ("order", "friction", "play"), [(2, 0.0, 0.0), (2, 0.5, 0.0), (3, 0.0, 0.0), (3, 0.5, 0.0), (4, 0.0, 0.5)]
+)
+def test_a_piece_moves_under_its_own_torque(
+    monkeypatch: pytest.MonkeyPatch, order: int, friction: float, play: float
+) -> None:
     """In closed form without friction; else from event to event, or by the matrix of its length."""
     told: list[Any] = []
     monkeypatch.setattr(step, "step_with_friction", lambda *given: told.append(("two", *given)) or (8.0, 9.0))
     monkeypatch.setattr(step, "rub_many", lambda *given: told.append(("many", *given)))
     monkeypatch.setattr(step, "advance_hold", lambda *given: told.append(("hold", *given)))
-    body: Any = SimpleNamespace(order=order, friction=friction, drive=0.5, beta=2.0)
+    body: Any = SimpleNamespace(order=order, friction=friction, play=play, drive=0.5, beta=2.0)
     for piece, u in ((0, 3.0), (1, 4.0)):
         z, law = [1.5, -2.0], law_of(sched=pieces())
         move_piece(z, PAST, piece, body, law, "pad")
@@ -165,7 +168,7 @@ def test_a_piece_moves_under_its_own_torque(monkeypatch: pytest.MonkeyPatch, ord
         elif order == 2:
             y = u + 0.5 - 3.0
             assert z == [1.5 - 0.5 + 0.125 * y, -1.5 + 0.25 * y]
-        elif friction:
+        elif friction or play:
             assert told.pop() == ("many", z, u, 0.5 + piece, body, "pad")
         else:
             assert told.pop() == ("hold", z, u, 3 + piece, body, "pad")
