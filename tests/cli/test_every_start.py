@@ -141,6 +141,7 @@ def test_what_cannot_be_cut_is_sampled_and_said(hknob: Run, write: Callable[[str
 CONTROLLED = RANGES.replace("scene:\n", "scene:\n  controller: {kind: bounded_lag, keep: 0.15}\n")
 
 
+@pytest.mark.long
 def test_every_start_with_a_controller(hknob: Run, write: Callable[[str], Path]) -> None:
     """Shares are areas, and nowhere said to be counted."""
     path = write(CONTROLLED)
@@ -208,6 +209,7 @@ def test_every_clock_phase_with_friction(hknob: Run, write: Callable[[str], Path
     assert "Complete: every clock phase of the start is proven to end in one of these." in done.stdout
 
 
+@pytest.mark.long
 def test_every_start_with_friction_and_a_lag(hknob: Run, write: Callable[[str], Path]) -> None:
     """Complete from the ranges, too; the torque that lags is no state of its own."""
     friction, late = "scene.knob.coulomb_torque=2e-4", "scene.actuator={time_constant: 50 us, delay_samples: 1}"

@@ -41,6 +41,7 @@ def test_remedies_are_compared_by_their_largest_cycles(hknob, spec_file, tmp_pat
     assert words["bounded"][3] == "all"
 
 
+@pytest.mark.long
 def test_one_start_is_as_before(hknob, spec_file, tmp_path: Path) -> None:
     """The column of one start is what the trial of that start finds; without ranges there is no such column."""
     assert hknob("remedies", spec_file(REMEDIES), "-o", "all").returncode == 0

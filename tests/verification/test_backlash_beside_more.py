@@ -57,6 +57,7 @@ def geared(controller: str, *, push: float = 3e-4, rate_hz: float = 1000.0, **mo
     return Drawn(controller, ("play",), scene, rate_hz, 360)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     "controller", ["bounded lag", "damping, sensor", "damping, differenced", "impulse, short", "speed, tracked"]
 )
@@ -221,6 +222,7 @@ PULSED = [
 ]
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("one", PULSED, ids=lambda one: str(PULSED.index(one)))
 def test_a_pulse_pushes_the_knob_behind_the_mesh(one: Drawn) -> None:
     """The motor follows when the teeth meet."""
