@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from hknob_cli.engine.certificate import EPSILON
+from hknob_cli.engine.general import standstill
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller, command, read
 from hknob_cli.engine.general.standstill import SETTLING, rest_rounding, settles, stays_held, steady
@@ -109,6 +110,17 @@ def test_what_a_finger_that_swings_may_pull_counts() -> None:
     prompt = FINGER._replace(order=4, lag=0.0, friction=9.0)
     assert stays_held(SWINGING[:4], 4.0, prompt)
     assert not stays_held(SWINGING[:4], 4.0, prompt._replace(friction=nextafter(9.0, 0.0)))
+
+
+@pytest.mark.parametrize("play", [5e-324, 0.5, 1.0, 3.0])
+@pytest.mark.parametrize("stays", [True, False])
+def test_where_there_is_play_the_teeth_decide(monkeypatch: pytest.MonkeyPatch, play: float, stays: bool) -> None:
+    """However little play there is; without any the teeth are not asked."""
+    monkeypatch.setattr(standstill, "held_in_teeth", lambda *given: stays)
+    one = body(friction=1.0)._replace(play=play)
+    assert stays_held([0.0, 0.0], 0.0, one) == stays
+    assert stays_held([0.0, 0.0], 0.0, one._replace(play=0.0))
+    assert not stays_held([0.0, 1e-300], 0.0, one)
 
 
 def test_a_finger_that_nothing_damps_or_holds_is_not_proven_to_settle() -> None:
