@@ -1,4 +1,4 @@
-"""Compiled code before the tests, where there is none yet: each worker of a run makes a share of it, and none twice.
+"""The engine is compiled before the tests, where it is not yet: each worker of a run compiles a share of it.
 
 Without this two workers begin by compiling the same, and commands that find nothing compiled are interpreted.
 """
@@ -8,6 +8,7 @@ from pathlib import Path
 
 from hknob_cli.engine.jit import is_kept
 from hknob_cli.specs.load import load
+from hknob_cli.specs.plan import SweepPlan
 from hknob_cli.stages.sweep.run import SweepStage
 
 CELL = ("grid.sample_rate_hz=1000", "grid.counts_per_rev=512")
@@ -26,7 +27,8 @@ def compile_share(spec: Path) -> None:
     """Run what this worker's share has of ``spec``, a sweep, where its groups are not compiled; once on a machine."""
     number = os.environ.get("PYTEST_XDIST_WORKER", "").removeprefix("gw")
     share = SHARES[int(number)] if number.isdecimal() and int(number) < len(SHARES) else ()
-    stages = [SweepStage(load(spec, (*CELL, *one), kind="sweep"), jobs=1) for one in share]  # type: ignore[arg-type]
+    plans = [load(spec, (*CELL, *one), kind="sweep") for one in share]
+    stages = [SweepStage(plan, jobs=1) for plan in plans if isinstance(plan, SweepPlan)]
     # All are looked at first: a group is kept as soon as one of its functions is.
     for stage in [one for one in stages if not all(map(is_kept, one.expected))]:
         for group in stage.expected:

@@ -201,7 +201,7 @@ def test_what_is_said_of_a_wrong_pulse() -> None:
 
 @pytest.mark.parametrize("edge", [1.0 - 1e-5, 1.0 + 1e-5])
 def test_a_torque_in_steps_may_be_either_of_two_where_roundings_decide(edge: float) -> None:
-    """The wall's torque is 2.5 steps, but for a tenth of the share by which a target's may differ."""
+    """The wall's torque is 2.5 steps, to a tenth of the share by which a target's may differ."""
     step = parts(-10, -10)[0] / 2.5 * edge
     asked = TOLD._replace(converters=Converters(step_nm=step))
     for steps in (2, 3):

@@ -22,14 +22,14 @@ def next_span(clock):
     """Length of the next interval, in the longest; 1 without jitter."""
     if clock is None:
         return 1.0
-    clock[0] = (FACTOR * clock[0]) % MODULUS
-    return clock[1] + clock[2] * (clock[0] / MODULUS)
+    clock[STATE] = (FACTOR * clock[STATE]) % MODULUS
+    return clock[SHORTEST] + clock[SPREAD] * (clock[STATE] / MODULUS)
 
 
 def begin_clock(clock, trial):
     """Set a clock to the beginning of a trial, by its number."""
     if clock is None:
         return
-    clock[0] = (65539.0 * clock[3] + 30269.0 * (trial + clock[4])) % (MODULUS - 1.0) + 1.0
+    clock[STATE] = (65539.0 * clock[SEED] + 30269.0 * (trial + clock[TRIAL])) % (MODULUS - 1.0) + 1.0
     for _ in range(FIRST):
-        clock[0] = (FACTOR * clock[0]) % MODULUS
+        clock[STATE] = (FACTOR * clock[STATE]) % MODULUS

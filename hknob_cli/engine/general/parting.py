@@ -9,6 +9,20 @@ from math import log, sqrt
 from hknob_cli.engine.general.interval import advance_columns
 
 
+def normalise(cols, width, m):
+    """Bring ``m`` columns, taken together, back to the length 1; their length before."""
+    size = 0.0
+    for c in range(m):
+        for i in range(m):
+            size += cols[c * width + i] * cols[c * width + i]
+    size = sqrt(size)
+    if size > 0.0:
+        for c in range(m):
+            for i in range(m):
+                cols[c * width + i] /= size
+    return size
+
+
 def parting_rate(z, before, ring, samples, body, wall, space):
     """Mean growth of the logarithm of a difference of motions with the same readings, per sample.
 
@@ -28,15 +42,8 @@ def parting_rate(z, before, ring, samples, body, wall, space):
     total, head = 0.0, 0 * len(ring)
     for _ in range(samples):
         before, head = advance_columns(z, before, ring, head, body, wall, space.pad, space.cols, n, width, space.marks)
-        size = 0.0
-        for c in range(n):
-            for i in range(n):
-                size += space.cols[c * width + i] * space.cols[c * width + i]
-        size = sqrt(size)
+        size = normalise(space.cols, width, n)
         if not size > 0.0:
             return -float("inf")
         total += log(size)
-        for c in range(n):
-            for i in range(n):
-                space.cols[c * width + i] /= size
     return total / samples

@@ -139,7 +139,7 @@ def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
     for has, some, name in ((may_part, RATTLE, "rattle_p2p_rad"), (may_jitter, JITTER_MAX, "jitter_p2p_rad")):
         if has(plan):
             every = [[getattr(one, name) for one in result.measures] for result in results]
-            columns, more = (*columns, *some), {some[0].name: [float(np.fmax.reduce(one)) for one in every]}
+            columns, more = (*columns, *some), more | {some[0].name: [float(np.fmax.reduce(one)) for one in every]}
     if not plan.starts.sampled and plan.scene.sampled:
         columns = (*columns, *EVERY_START)
         more |= {"complete": [one.complete for one in results], "piece_count": [one.pieces for one in results]}

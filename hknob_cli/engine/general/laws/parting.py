@@ -4,12 +4,13 @@ Nearby motions have the same readings, so that a law's torques do not tell them 
 What fades of its memory decays by itself.
 """
 
-from math import log, sqrt
+from math import log
 
 from hknob_cli.engine.general.controller import read_after
 from hknob_cli.engine.general.laws.law import LOOK, PIECE, TORQUE
 from hknob_cli.engine.general.laws.sensed import begin_columns, move_piece_columns
 from hknob_cli.engine.general.laws.step import copy_to, count_piece, decide
+from hknob_cli.engine.general.parting import normalise
 
 
 def slope_columns(slope, body, law, space, m):
@@ -58,16 +59,9 @@ def parting_with_law(z, past, samples, body, wall, law, space):
             look = int(law.sched[at + LOOK])
             if look >= 0:
                 past[look] = read_after(space.state[0], past[law.line - 1], wall)
-        size = 0.0
-        for c in range(m):
-            for i in range(m):
-                size += space.cols[c * width + i] * space.cols[c * width + i]
-        size = sqrt(size)
+        size = normalise(space.cols, width, m)
         if not size > 0.0:
             return -float("inf")
         total += log(size)
-        for c in range(m):
-            for i in range(m):
-                space.cols[c * width + i] /= size
     copy_to(z, space.state)
     return total / samples
