@@ -16,7 +16,8 @@ import pytest
 from hknob_cli.errors import SpecError, UsageError
 from hknob_cli.figures import draw, theme
 from hknob_cli.figures.recording import settled_period
-from hknob_cli.page.drawn import DURATION_S, FEW, RATE_HZ, clips, draw_figures
+from hknob_cli.page import drawn
+from hknob_cli.page.drawn import DURATION_S, RATE_HZ, clips, draw_figures
 from hknob_cli.page.layout import lay_out
 from hknob_cli.recordings.spectrum import recorded_harmonics
 from hknob_cli.results.provenance import describe
@@ -32,6 +33,7 @@ from tests.conftest import EXPERIMENTS
 from tests.page.opened import Opened
 from tests.page.sample import page
 
+MANY = 3  # figures, of which several processes draw one or two
 BOTH = (Listen("coarse", "coarse"), Listen("fine", "fine"))
 
 
@@ -114,8 +116,11 @@ def planned(evidence: ResultSet, draws: list[str]) -> list[FigurePlan]:
     ]
 
 
-def test_several_processes_draw_what_one_does_in_its_order(evidence: ResultSet) -> None:
-    figures = planned(evidence, ["cycle_spectra"] * FEW)
+def test_several_processes_draw_what_one_does_in_its_order(
+    evidence: ResultSet, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(drawn, "FEW", MANY)
+    figures = planned(evidence, ["cycle_spectra"] * MANY)
     figures[1] = figures[1]._replace(of=("fine", "short"))  # which has no picture, and says why
     found, counted = [], []
     for jobs in (1, 2):
@@ -126,13 +131,16 @@ def test_several_processes_draw_what_one_does_in_its_order(evidence: ResultSet) 
     assert [one.id for one in found[1]] == [one.id for one in figures]
     assert "ends before it repeats itself" in found[1][1].missing
     assert all(one.svg for i, one in enumerate(found[1]) if i != 1)
-    assert all(some == sorted(some) and some[-1] == FEW for some in counted)
+    assert all(some == sorted(some) and some[-1] == MANY for some in counted)
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
-def test_a_figure_that_cannot_be_drawn_ends_all_of_them(evidence: ResultSet, jobs: int) -> None:
-    figures = planned(evidence, ["cycle_spectra"] * FEW)
-    figures[3] = figures[3]._replace(options={"names": 3}, where="report.yaml:7:5")
+def test_a_figure_that_cannot_be_drawn_ends_all_of_them(
+    evidence: ResultSet, jobs: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(drawn, "FEW", MANY)
+    figures = planned(evidence, ["cycle_spectra"] * MANY)
+    figures[2] = figures[2]._replace(options={"names": 3}, where="report.yaml:7:5")
     with pytest.raises(UsageError, match=r"^report\.yaml:7:5: cycle_spectra of coarse, fine cannot be drawn"):
         draw_figures(figures, evidence, "", jobs=jobs, progress=lambda *_: None)
     assert not active_children()
