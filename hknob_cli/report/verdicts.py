@@ -105,11 +105,11 @@ def percent(share: float) -> str:
 
 
 def rattle_text(swings: Sequence[float], where: str = "") -> str:
-    """A sentence, after a space, on teeth that part and meet again in no order; empty where none do."""
+    """A sentence, after a space, on motion in no order, by teeth that part or by cogging; empty where there is none."""
     if not swings:
         return ""
     swing = f"the knob swings by {_range([1e3 * one for one in swings], 'mrad')} (one trial each, not proven)"
-    return f" The teeth of its gear rattle{where}: no trial repeats, and {swing}."
+    return f" It moves on{where} and no trial repeats: {swing}."
 
 
 def jitter_text(swings: Sequence[float], where: str = "") -> str:

@@ -126,6 +126,7 @@ def contradictions(scene: SceneSpec, axes: Axes) -> Faults:
     if scene.bias and scene.bias.half_quantum and scene.encoder == "none":
         found.append((("scene", "bias", "half_quantum"), "must be absent where encoder is none: it has no count"))
     found += _of_jitter(scene, axes)
+    found += _of_cogging(scene, axes)
     if scene.hand and scene.hand.finger:
         for key in ("inertia", "damping", "stiffness"):
             if f"hand.{key}" in axes:
@@ -163,6 +164,16 @@ def _of_jitter(scene: SceneSpec, axes: Axes) -> Faults:
             why = EXCEPTIONS["jitter", part, "general"][1]
             found.append((places[0], f"must be 0 beside {PARTS[part].title}: {why}"))
     return found
+
+
+def _of_cogging(scene: SceneSpec, axes: Axes) -> Faults:
+    """What does not go beside cogging."""
+    if not (places := given(scene, axes, PARTS["cogging"].path)):
+        return []
+    beside = {"bare": scene.encoder == "none", "squeeze": scene.squeeze is not None}
+    beside["play"] = bool(given(scene, axes, PARTS["play"].path))
+    reasons = {part: EXCEPTIONS["cogging", part, "general"][1] for part in beside}
+    return [(places[0], f"must be 0 beside {PARTS[part].title}: {reasons[part]}") for part in beside if beside[part]]
 
 
 def _without_wall(scene: SceneSpec, controller: Controller, axes: Axes) -> Faults:
