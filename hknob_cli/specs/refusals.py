@@ -171,7 +171,7 @@ def _of_cogging(scene: SceneSpec, axes: Axes) -> Faults:
     if not (places := given(scene, axes, PARTS["cogging"].path)):
         return []
     beside = {"bare": scene.encoder == "none", "squeeze": scene.squeeze is not None}
-    beside["play"] = bool(given(scene, axes, PARTS["play"].path))
+    beside |= {part: bool(given(scene, axes, PARTS[part].path)) for part in ("play", "hysteresis", "backlash")}
     reasons = {part: EXCEPTIONS["cogging", part, "general"][1] for part in beside}
     return [(places[0], f"must be 0 beside {PARTS[part].title}: {reasons[part]}") for part in beside if beside[part]]
 
