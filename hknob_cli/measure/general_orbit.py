@@ -236,7 +236,7 @@ class GeneralMeasurer:
             return OrbitMeasures()
         turns, x = find_turns(chart), chart.states[:, 0]
         found = OrbitMeasures(
-            jitter_p2p_rad=0.0, jitter_range_rad=float(np.ptp(x)) * knob.quantum_rad, **self._behind(chart)
+            cycles=0, jitter_p2p_rad=0.0, jitter_range_rad=float(np.ptp(x)) * knob.quantum_rad, **self._behind(chart)
         )
         if len(turns.maxima) == 0 or len(turns.minima) == 0:
             return found

@@ -100,7 +100,8 @@ JITTER = (
         "jitter_p2p_rad",
         _REAL,
         "rad",
-        "where the sample clock jitters: mean local maximum less mean local minimum over 4096 samples of one trial",
+        "where the sample clock jitters: mean local maximum less mean local minimum over 4096 samples of one trial, "
+        "or 1024 where an interval has many parts",
     ),
     Column("jitter_range_rad", _REAL, "rad", "there: largest less smallest angle"),
     Column("jitter_frequency_hz", _REAL, "Hz", "there: local maxima over the time of these samples"),
