@@ -94,6 +94,13 @@ JITTER_MAX = (
     Column(
         "jitter_max_rad", _REAL, "rad", "where the sample clock jitters: largest jitter_p2p_rad of trials that move"
     ),
+    Column(
+        "clock_bound_rad",
+        _REAL,
+        "rad",
+        "there: proven bound on largest less smallest angle of a motion in the end, from these starts and whatever the "
+        "intervals are; 0: all rest; null: no bound is found, or the scene has more than this is built for",
+    ),
 )
 JITTER = (
     Column(

@@ -80,8 +80,21 @@ def test_files_have_swing_and_pitch_of_what_does_not_rest(starts: str) -> None:
     row = next(row for row in tables.orbits.to_pylist() if row["clock.jitter"] == 0.2)
     assert row["reason"].startswith("no two sample intervals are alike")
     assert moved["jitter_max_rad"] == row["jitter_p2p_rad"] > 1e-4
+    assert still["clock_bound_rad"] is None
+    assert moved["clock_bound_rad"] >= row["jitter_range_rad"]
     assert row["jitter_range_rad"] >= row["jitter_p2p_rad"]
     assert 20.0 < row["jitter_frequency_hz"] < 400.0
+
+
+def test_rest_of_every_clock_is_in_the_files() -> None:
+    """A hand that rests under all intervals; one with friction rests too, but that is not built for every clock."""
+    hand = {"inertia": 3e-7, "damping": 3.45e-3, "stiffness": 0.3}
+    for change, bound in (({}, 0.0), ({"knob": {"coulomb_torque": 1e-5}}, None)):
+        plan = planned({"scene": {"hand": hand, "bias": {"torque": 7e-3}, **change}})._replace(max_samples=4096)
+        tables = SweepStage(plan, jobs=1).run()
+        (cell,) = tables.cells.to_pylist()
+        assert cell["at_rest_fraction"] == 1.0
+        assert cell["clock_bound_rad"] == bound
 
 
 def test_a_seed_draws_its_intervals() -> None:
