@@ -12,6 +12,9 @@ DRAW ?= $(shell git rev-parse --short HEAD 2>/dev/null || date +%F)
 PAGES := README.md ARCHITECTURE.md CONTRIBUTING.md CHANGELOG.md docs
 TEXTS := $(PAGES) hknob_cli
 
+# Where this is set, as in some containers, each of hundreds of commands would parse the whole program anew.
+unexport PYTHONDONTWRITEBYTECODE
+
 .DEFAULT_GOAL := help
 .PHONY: help docs fuzz sweep every-start paper ladder maps smoke test long matrix firmware target lint schemas compare bench clean
 

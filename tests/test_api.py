@@ -221,6 +221,7 @@ class TestScene:
         assert set(inspect.signature(hk.Scene).parameters) - {"preset"} == set(SceneSpec.model_fields)
 
 
+@pytest.mark.long
 def test_a_type_checker_knows_the_face(tmp_path: Path) -> None:
     """The package says that it is typed, and what a user's script calls has types."""
     from mypy import api as mypy

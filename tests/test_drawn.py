@@ -54,6 +54,7 @@ def test_what_is_not_long_or_not_to_be_drawn_runs() -> None:
         assert chosen("word", *marks) == (set(range(100)), set())
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("workers", [(), ("-n", "2", "--dist", "loadfile")], ids=["alone", "workers"])
 def test_it_is_said_what_was_drawn(tmp_path: Path, workers: tuple[str, ...]) -> None:
     for k in range(3):

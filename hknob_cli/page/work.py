@@ -19,6 +19,7 @@ from hknob_cli.results.files import input_digest
 from hknob_cli.results.provenance import mark
 from hknob_cli.results.result_set import ResultSet
 from hknob_cli.results.versions import showing_versions
+from hknob_cli.spread.cores import usable_cores
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.work import Tables, Work, counted
 from hknob_cli.terminal import progress_bar
@@ -116,7 +117,15 @@ class ReportWork(Work):
         ours = mark(job.kind, plan.name, stamp)
         count = sum(len(chapter.figures) for chapter in plan.chapters)
         with progress_bar(count, show=not job.quiet, what="figures") as progress, library_defaults():
-            page = compose(plan, _evidence(job), judgement, versions=showing_versions(), mark=ours, progress=progress)
+            page = compose(
+                plan,
+                _evidence(job),
+                judgement,
+                versions=showing_versions(),
+                mark=ours,
+                jobs=job.jobs or usable_cores(),
+                progress=progress,
+            )
         figures = [figure for chapter in page.chapters for figure in chapter.figures]
         drawings = {f"figures/{figure.id}.svg": figure.svg or _empty(figure.missing, ours) for figure in figures}
         return {"report.html": lay_out(page), **drawings}

@@ -18,6 +18,7 @@ SECOND = Hand(3e-7, 3.45e-4, 0.04)
 FOURTH = Hand(finger=Finger(3e-7, 1e-4, 0.04), fingerpad=Fingerpad(3e-4, 0.5))
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(
     "parts", [{"hand": SECOND}, {"hand": FOURTH}, {"hand": FOURTH, "actuator": Actuator(0.5, 1e-3)}]

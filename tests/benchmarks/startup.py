@@ -1,9 +1,11 @@
 """Start-up and memory: whole processes against the imports they cannot do without.
 
 Each command is run in turn with its floor, so that a drift of the machine hits both; the ratio is of medians. Cold
-means a fresh process and no results; the compiler's cache is warm. The number of runs may be given.
+means a fresh process and no results; the compiler's cache is warm, and Python's, as a user has them. The number of runs
+may be given.
 """
 
+import os
 import resource
 import shutil
 import statistics
@@ -70,6 +72,7 @@ def rerun(runs: int) -> None:
 
 def main() -> None:
     """Print ratios beside their ceilings."""
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # with it, each process parses the program anew
     runs = int(sys.argv[1]) if len(sys.argv) > 1 else 15
     print(f"{'command':24}{'ms':>8}{'floor ms':>10}{'ratio':>8}{'ceiling':>9}")
     for name, args, floor, ceiling in CASES:

@@ -61,6 +61,7 @@ def test_errors_times_and_verdicts(hknob, spec_file, tmp_path: Path) -> None:
         assert (tmp_path / "out" / name).read_bytes()[:4] == b"\x89PNG"
 
 
+@pytest.mark.long
 def test_up_to_date_and_summary(hknob, spec_file) -> None:
     spec = spec_file(TINY.replace("[exact, rk23, euler]", "[exact]"))
     assert "no bench.parquet yet" in hknob("bench", spec, "-o", "out", "--dry-run").stdout
@@ -116,11 +117,10 @@ def test_experiments_are_good(hknob) -> None:
     assert "bench 'bench', 35 scenes: good" in done.stdout
 
 
-@pytest.mark.parametrize(
-    "change", [("--set", "methods=[exact, dop853]"), pytest.param((), marks=pytest.mark.long, id="all methods")]
-)
+@pytest.mark.long
+@pytest.mark.parametrize("change", [("--set", "methods=[exact, dop853]"), pytest.param((), id="all methods")])
 def test_the_quick_experiment(hknob, change: tuple[str, ...]) -> None:
-    """The errors of the two methods that must be near; as `long`, all six run to their end."""
+    """The errors of the two methods that must be near; without a change all six run to their end."""
     summary = json.loads(hknob("bench", EXPERIMENTS / "bench_quick.yaml", *change, "-o", "out", "--json").stdout)
     best = {
         (scene, method): min(

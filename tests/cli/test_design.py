@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 import pyarrow.parquet as pq
+import pytest
 
 from tests.designs import DESIGN
 
@@ -59,6 +60,7 @@ def test_nothing_feasible_is_an_answer_too(hknob, spec_file) -> None:
     assert "30 of 30 designs" in done.stdout
 
 
+@pytest.mark.long
 def test_exhaustive_and_jobs_change_neither_answer_nor_bytes(hknob, spec_file, tmp_path: Path) -> None:
     spec = spec_file(DESIGN)
     for out, jobs in (("a", 1), ("b", 2)):

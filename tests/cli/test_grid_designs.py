@@ -56,6 +56,7 @@ def test_only_what_scipy_draws_depends_on_its_version(hknob, spec_file, tmp_path
     assert ["scipy" in found[name] for name in ("grid", "random", "laws")] == [False, False, True]
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("kind", "file", "column"), [("dfa", "dfa", "method"), ("predict", "predict", "law")])
 def test_analyses_meet_the_sweep_on_the_same_points(kind, file, column, hknob, spec_file, tmp_path: Path) -> None:
     hknob("sweep", spec_file(DESIGN, "sweep.yaml"), "-o", "swept")
@@ -86,6 +87,7 @@ def test_points_that_coincide_are_compared(hknob, spec_file, tmp_path: Path) -> 
     assert len(rows(tmp_path / "out" / "predict.parquet")) == 3 * 16
 
 
+@pytest.mark.long
 def test_two_ranges_are_no_map(hknob, spec_file, tmp_path: Path) -> None:
     two = ("--set", "grid.hand.stiffness=0.04", "--set", "grid.counts_per_rev={log: [128, 4096]}", "--plot")
     for kind in ("sweep", "dfa", "predict"):
@@ -103,6 +105,7 @@ def test_two_ranges_are_no_map(hknob, spec_file, tmp_path: Path) -> None:
     assert "whose points are on no grid" in (tmp_path / "maps" / "report.html").read_text()
 
 
+@pytest.mark.long
 def test_what_matters_in_words_and_as_a_picture(hknob, spec_file, tmp_path: Path) -> None:
     done = hknob("sweep", spec_file(DESIGN), "-o", "out", "--plot", "--set", "grid.design.sobol=64")
     assert done.returncode == 0, done.stderr

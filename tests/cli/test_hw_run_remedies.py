@@ -66,6 +66,7 @@ def by_cell(rows: list[dict]) -> dict[Cell, dict]:
     return {(row["remedy"], row["sample_rate_hz"], row["counts_per_rev"]): row for row in rows}
 
 
+@pytest.mark.long
 def test_every_remedy_is_tried_once_in_every_cell_in_a_mixed_order(done) -> None:
     folder, _ = done
     trials = rows_of(folder / "out" / "trials.parquet")
@@ -199,6 +200,7 @@ def test_replayed_trials_are_told_apart_by_their_torque(done, hknob, tmp_path: P
         assert other[place]["p2p_rad"] == row["p2p_rad"]
 
 
+@pytest.mark.long
 def test_both_in_a_pipeline(hknob, tmp_path: Path) -> None:
     (tmp_path / "computed.yaml").write_text(COMPUTED.replace("phases: 3", "phases: 1"))
     (tmp_path / "tried.yaml").write_text(TRIED)

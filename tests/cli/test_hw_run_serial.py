@@ -126,6 +126,7 @@ def test_a_campaign_that_found_no_device_stands_in_nobodys_way(hknob, tmp_path: 
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.long
 def test_killed_what_was_received_is_there(hknob, tmp_path: Path) -> None:
     with PtyTarget(MANNERS) as pretended:
         target = pretended.target
@@ -222,6 +223,7 @@ class Terminal:
         return self.process.returncode, printed
 
 
+@pytest.mark.long
 def test_an_operator_steers(tmp_path: Path) -> None:
     with PtyTarget(MANNERS) as pretended:
         heard = pretended.target.heard

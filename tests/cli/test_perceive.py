@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pyarrow.parquet as pq
+import pytest
 
 from tests.conftest import EXPERIMENTS, SPEC
 
@@ -43,6 +44,7 @@ def test_a_list_has_the_levels_too(hknob, spec_file) -> None:
     assert "touch" not in plain.stdout
 
 
+@pytest.mark.long
 def test_pictures_of_a_grid_and_of_a_line(hknob, spec_file, tmp_path: Path) -> None:
     sizes = {}
     for name, text in (("plain", GRID), ("touch", GRID + BLOCK), ("both", GRID + GAIN), ("line", SPEC + GAIN)):

@@ -72,6 +72,7 @@ def test_designs_are_judged_by_their_largest_cycles(hknob, spec_file, tmp_path: 
     assert again["present"]["complete"]
 
 
+@pytest.mark.long
 def test_how_many_are_drawn_where_sets_cannot_be_followed(hknob, spec_file, tmp_path: Path) -> None:
     """As many as the spec says, or 256: the row says so."""
     for text, drawn in ((SENSED, 24), (SENSED.replace(", random: 24", ""), 256)):

@@ -77,6 +77,7 @@ def test_the_reference_is_what_a_sweep_finds(hknob, spec_file, tmp_path: Path) -
         assert [row[column] for row in ours] == [row[column] for row in cells]
 
 
+@pytest.mark.long
 def test_jobs_up_to_date_and_json(hknob, spec_file, tmp_path: Path) -> None:
     spec = spec_file(SMALL.replace("phases: 4", "phases: 128"))  # enough to be worth two processes
     first = hknob("remedies", spec, "-o", "one", "-j", "1", "--json")

@@ -202,6 +202,7 @@ BAD = {
 }
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", BAD)
 def test_bad_reports(hknob, spec_file, swept: Path, name: str) -> None:
     old, new, wanted = BAD[name]

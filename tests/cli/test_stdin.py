@@ -84,6 +84,7 @@ def test_every_command_that_reads_a_spec(piped, tmp_path: Path) -> None:
     assert "name: small-dfa\n" in piped(SPEC, "new", "dfa", "--from", "-").stdout
 
 
+@pytest.mark.long
 def test_a_pipeline(piped, tmp_path: Path) -> None:
     """Its specs lie in the working folder; the same text again has nothing to do, another has."""
     (tmp_path / "sweep.yaml").write_text(SPEC)

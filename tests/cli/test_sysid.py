@@ -58,6 +58,7 @@ def test_virtual_hands_come_back(hknob, spec_file, tmp_path: Path) -> None:
     assert everybody[0]["mass_kg"] == pytest.approx(everybody[0]["inertia_kg_m2"] / 8.9e-3**2)
 
 
+@pytest.mark.long
 def test_the_same_work_gives_the_same_bytes_and_recordings_are_kept(hknob, spec_file, tmp_path: Path) -> None:
     spec = spec_file(VIRTUAL + "keep_recordings: true\n")
     for out in ("a", "b"):

@@ -145,6 +145,7 @@ def test_a_misspelt_column_is_a_fault_and_nothing_is_written(hknob, spec_file, t
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.long
 def test_a_large_angle_is_a_warning_that_limits_or_quiet_silence(hknob, spec_file, tmp_path: Path) -> None:
     write(tmp_path / "run.csv", torque=1.0, seconds=2.0)
     spec = spec_file(SPEC)
@@ -202,6 +203,7 @@ def test_estimators_that_disagree_are_remarked() -> None:
     )
 
 
+@pytest.mark.long
 def test_a_strangers_recording_is_kept_and_read_again(hknob, spec_file, tmp_path: Path) -> None:
     write(tmp_path / "run.csv")
     assert hknob("sysid", spec_file(SPEC + "keep_recordings: true\n"), "-o", "a").returncode == 0

@@ -16,6 +16,7 @@ study:
 LEVELS = {("noise_rad", 0.0), ("noise_rad", 1e-3), ("lag_s", 2e-4), ("counts_per_rev", 0.0), ("counts_per_rev", 4096.0)}
 
 
+@pytest.mark.long
 def test_a_study_writes_its_tables_and_draws_them(hknob, spec_file, tmp_path: Path) -> None:
     spec = spec_file(STUDY)
     assert "sysid 'study', study: good" in hknob("check", spec).stdout

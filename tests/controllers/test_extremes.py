@@ -43,6 +43,7 @@ def ends(controller: dict[str, Any], *change: str) -> list[dict[str, Any]]:
     return SweepStage(loaded(text), jobs=1).run().orbits.to_pylist()
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("scene", SCENES)
 @pytest.mark.parametrize("name", QUICK)
 def test_ends_are_labelled(name: str, scene: str) -> None:

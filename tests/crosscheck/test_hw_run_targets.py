@@ -48,7 +48,7 @@ def runs(spec: Path, out: Path, *more: str) -> None:
 LAG = "controller: {kind: bounded_lag, keep: 0.15}\n"
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("target", "rates", "more"),
     [("host", "[1000, 4000]", ""), ("host", "[1000, 2000]", LAG), ("qemu", "[455, 1000]", "")],

@@ -1,6 +1,7 @@
 """Pages as Markdown: where they are, their headings, links, and fenced blocks."""
 
 import re
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
@@ -30,7 +31,9 @@ def name_of(page: Path) -> str:
     return str(page.relative_to(ROOT))
 
 
+@cache
 def tokens(page: Path) -> list[Token]:
+    """A page, read once."""
     return _READER.parse(page.read_text(encoding="utf-8"))
 
 

@@ -47,7 +47,7 @@ def run(hknob, folder: Path, fault: str, more: str = "", **changes: str) -> str:
     return done.stderr
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_fault_is_named_and_the_torque_released(hknob, tmp_path: Path, fault: str) -> None:
     """Of three trials one names it: where a busy computer stands still, another fault may be met first."""

@@ -110,6 +110,7 @@ def test_full_disk(hknob, spec_file, tmp_path: Path) -> None:
     assert {path.name for path in out.iterdir()} == {".hknob.lock"}
 
 
+@pytest.mark.long
 def test_foreign_and_stale_pictures(hknob, spec_file, tmp_path: Path) -> None:
     out = tmp_path / "out"
     out.mkdir()

@@ -40,6 +40,7 @@ def spoil(path: Path, how: str) -> None:
     path.write_bytes({"empty": b"", "cut": content[:middle], "flipped": flipped}[how])
 
 
+@pytest.mark.long
 def test_damaged_code_is_compiled_again_and_said(tmp_path: Path) -> None:
     first = use(tmp_path)
     assert [line for line in first if not line.startswith("compiled")] == RESULT
@@ -57,6 +58,7 @@ def test_damaged_code_is_compiled_again_and_said(tmp_path: Path) -> None:
         assert use(tmp_path) == RESULT
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("content", ["disable_jit: 1\nopt: 0\n", "{", "disable_jit: [\n"])
 def test_settings_of_numba_in_the_working_folder_are_without_effect(content: str, tmp_path: Path) -> None:
     (tmp_path / ".numba_config.yaml").write_text(content)

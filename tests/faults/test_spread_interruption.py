@@ -160,6 +160,7 @@ TOO_MUCH = {
 }
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("how", TOO_MUCH)
 def test_pieces_that_are_too_much_for_the_memory_are_done_in_halves(undisturbed, tmp_path: Path, how: str) -> None:
     spec, wanted = undisturbed

@@ -350,6 +350,7 @@ def test_it_ends_with_a_killed_parent(target: Target, built: Path) -> None:
     pytest.fail(f"the target runs on as process {process}")
 
 
+@pytest.mark.long
 def test_it_is_built_once_and_again_when_the_sources_change(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     need("host")
     first = build_target("host", tmp_path)

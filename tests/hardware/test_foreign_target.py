@@ -36,6 +36,7 @@ def linked(url: str) -> socket.socket:
     return link
 
 
+@pytest.mark.long
 def test_a_campaign(hknob, tmp_path: Path) -> None:
     """Four cells; the knob is stepped by other code, and buzzes as the virtual one does."""
     with foreign_target() as url:

@@ -22,6 +22,7 @@ def path(monkeypatch: pytest.MonkeyPatch, *, friction: float, lag: float, patien
     return np.array(found)
 
 
+@pytest.mark.long
 def test_compiled_goes_the_same_way_to_the_last_bit(monkeypatch: pytest.MonkeyPatch) -> None:
     plain = path(monkeypatch, friction=FRICTION, lag=5e-5)
     assert np.array_equal(path(monkeypatch, friction=FRICTION, lag=5e-5, patience=100), plain)

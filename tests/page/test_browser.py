@@ -115,6 +115,7 @@ def test_claims_are_sorted_by_a_button(opened: Opened) -> None:
     assert ids() == before
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_keys_reach_everything_and_show_where(browser: Any, address: str, scheme: str) -> None:
     with Opened(browser, address, color_scheme=scheme) as opened:

@@ -72,7 +72,7 @@ class Shown(HTMLParser):
             self.pictures[-1].append(data.strip())
 
 
-@pytest.mark.one_in(8)
+@pytest.mark.one_in(16)
 @pytest.mark.parametrize("name", SHAPES)
 def test_a_result_is_shown_with_its_rows_and_a_picture(name: str, tmp_path: Path) -> None:
     folder = make_result(name, tmp_path)

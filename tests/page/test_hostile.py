@@ -64,6 +64,7 @@ def drawn(*names: str) -> str:
     return theme.svg(figure, name="fig-x", title=names[0])
 
 
+@pytest.mark.long
 @settings(max_examples=4, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @example(["$\\frac{$", "$$", "<script>$</script>$", "\\$"])
 @example(list(PIECES))

@@ -166,7 +166,10 @@ def _sweeps_as_the_table_says(part: str, starts: str) -> None:
         assert cell["certified_fraction"] < 1.0 or (engine in SETS and not cell["complete"])
 
 
-@pytest.mark.parametrize("part", CHANGES)
+# Trials that bounce on teeth take seconds.
+@pytest.mark.parametrize(
+    "part", [pytest.param(part, marks=pytest.mark.long) if part == "play" else part for part in CHANGES]
+)
 def test_trials_are_proven_where_the_table_says(part: str) -> None:
     _sweeps_as_the_table_says(part, "phases")
 
@@ -308,6 +311,7 @@ PAIRS = [
 ]
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize(("one", "other", "engine"), PAIRS)
 def test_pairs_are_as_the_table_says(one: str, other: str, engine: str) -> None:
     source = Source("spec.yaml")

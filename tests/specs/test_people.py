@@ -4,6 +4,7 @@ from math import log, sqrt
 
 import numpy as np
 import pytest
+from scipy.linalg import sqrtm
 
 from hknob_cli.specs.people import Spread, draw, spread_of
 
@@ -39,6 +40,16 @@ def test_a_seed_is_the_same_people_and_more_people_begin_with_them() -> None:
     assert few == draw(spread, people=20, seed=1)
     assert few == draw(spread, people=500, seed=1)[:20]
     assert few != draw(spread, people=20, seed=2)
+
+
+def test_logarithms_are_normals_times_a_symmetric_root_of_their_covariance() -> None:
+    """By SciPy's root of a matrix; the numbers of a seed are those of any release."""
+    spread = Spread(MEANS, STDS, CORRELATIONS)
+    variation = np.array(STDS) / np.array(MEANS)
+    covariance = np.log1p(np.array(CORRELATIONS) * np.outer(variation, variation))
+    normals = np.random.default_rng(7).standard_normal((20, 3)) @ sqrtm(covariance)
+    wanted = np.array(MEANS) * np.exp(normals - 0.5 * np.diag(covariance))
+    np.testing.assert_allclose(draw(spread, people=20, seed=7), wanted, rtol=1e-12)
 
 
 def test_spread_of_hands_is_that_of_the_sample() -> None:

@@ -51,6 +51,7 @@ def test_runs_of_points_do_not_depend_on_how_they_are_cut(method: str, data: st.
     assert np.array_equal(there.run(count // 2, count), at_once[count // 2 :])
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("method", ["sobol", "halton", "random"])
 def test_far_points_are_reached_without_those_before(method: str) -> None:
     far = MOST_POINTS[method] - 3

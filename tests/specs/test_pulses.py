@@ -71,6 +71,7 @@ WRONG = {
         "p.yaml:4:26: pulses.window.after: must be >= 0.0202 s, the pulse and 2 samples, got 0.01"
     ),
     "pulses: {window: {after: 5}, timeout: 4}\n": "p.yaml:4:39: pulses.timeout: must be > window.after, 5 s",
+    "pulses: {window: {after: 5}, timeout: 5}\n": "p.yaml:4:39: pulses.timeout: must be > window.after, 5 s",
     "pulses: {width: 60 ms, person: {reaction: 0.05}}\n": (
         "p.yaml:4:43: pulses.person.reaction: must be > the width of the pulse, 0.06 s, in which nobody lets go"
     ),

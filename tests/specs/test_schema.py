@@ -17,6 +17,7 @@ def test_stored_schema_is_current(kind: str) -> None:
     assert stored == json_schema(kind), "run: make schemas"
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("path", sorted(EXPERIMENTS.glob("*.yaml")), ids=lambda path: path.stem)
 def test_experiments_satisfy_the_schema_and_name_it(path) -> None:
     values = read(path).value

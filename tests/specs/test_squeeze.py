@@ -56,6 +56,12 @@ def test_beyond_its_depth_the_wall_is_a_spring() -> None:
     assert grip_of(deep) == grip_of(planned({"bias": {"torque": 0.04}}).scene)
 
 
+def test_a_push_of_one_newton_meter_is_like_any_other() -> None:
+    slack = {**SQUEEZE, "radius": 0.1}
+    one, less = (grip_of(planned({"squeeze": slack, "bias": {"torque": push}}).scene) for push in (1.0, 0.999))
+    assert 0.0 < one - less < 0.02 * one
+
+
 def test_a_light_push_leaves_the_hand_as_it_is() -> None:
     """Two fingers at 0.71 N hold 2 * 0.7 * 8.9 mm * 0.71 N / 1.5 = 5.9 mN·m."""
     scene = planned({"bias": {"torque": 0.001}}).scene

@@ -163,6 +163,7 @@ def in_mid_answer(then: Callable[[], None]) -> None:
     Connection.send_bytes = half
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("count", [1, 3])
 def test_a_worker_that_is_killed_in_mid_answer_costs_no_item(tmp_path: Path, count: int) -> None:
     def work(start: int, stop: int) -> bytes:

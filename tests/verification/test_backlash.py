@@ -109,6 +109,7 @@ def trial(scene: dict[str, Any], *, rate_hz: float, counts: int, angle: float, s
     )
 
 
+@pytest.mark.long
 def test_random_scenes_against_an_integrator() -> None:
     assert sum(compared(seed) for seed in range(12)) >= 8
 
@@ -275,6 +276,7 @@ def test_no_backlash_is_the_gear_without_to_the_last_bit() -> None:
     assert np.isnan(other.measures[0].rattle_p2p_rad)
 
 
+@pytest.mark.long
 def test_teeth_never_pull_and_leave_before_they_are_apart(cells: list[Cell]) -> None:
     """Of a cycle through the play: what its mesh carries presses, and a damped tooth is left while it overlaps."""
     for cell in cells:

@@ -68,6 +68,7 @@ def test_trials_beside_a_controller(controller: str) -> None:
     assert np.isfinite(errors).sum() >= 2
 
 
+@pytest.mark.long
 def test_proven_cycles_beside_a_controller_on_one_flank() -> None:
     """The same with any backlash, and derived again."""
     found = []
@@ -105,6 +106,7 @@ def test_cycles_through_the_play_beside_a_controller() -> None:
     assert parted >= 3
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("controller", "push"), [("speed, tracked", 1e-4), ("damping, sensor", 3e-4)])
 def test_chaos_beside_a_controller_is_what_two_motions_do(controller: str, push: float) -> None:
     """As `test_backlash` has it, with the same bound; a sensed speed makes torques of a neighbour others."""
@@ -151,6 +153,7 @@ RUBBED = [
 PARTED = [True, False, True, True, True, False]
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("one", "parts"), list(zip(RUBBED, PARTED, strict=True)))
 def test_trials_beside_friction(one: Drawn, parts: bool) -> None:
     """The motor turns round or sticks in all of them, and teeth part in most."""
@@ -171,6 +174,7 @@ HYSTERESIS = [
 ]
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("one", HYSTERESIS, ids=lambda one: str(HYSTERESIS.index(one)))
 def test_trials_beside_hysteresis(one: Drawn) -> None:
     """The count goes by the motor's turning points, on any flank and on none."""
@@ -182,6 +186,7 @@ def test_trials_beside_hysteresis(one: Drawn) -> None:
     assert np.abs(found - angles).max() <= WITHIN * np.abs(angles).max()
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("controller", ["bounded lag", "damping, sensor", "impulse, short"])
 def test_trials_beside_hysteresis_and_a_controller(controller: str) -> None:
     """With friction of the motor, too."""

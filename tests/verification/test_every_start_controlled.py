@@ -101,6 +101,7 @@ def counted(
     assert np.abs(met / trials - shares).max() <= bound
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("name", "rate", "counts", "samples"), [CELLS[0], CELLS[3], CELLS[4]])
 def test_phases_end_as_their_intervals_do(name: str, rate: float, counts: int, samples: int) -> None:
     """150 phases of the start, from a plain loop."""

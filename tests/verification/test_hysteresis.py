@@ -105,6 +105,7 @@ ORBITS = [
 ]  # fmt: skip
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("one", "samples"), ORBITS, ids=lambda one: one.name if isinstance(one, Case) else "")
 def test_a_proven_cycle_is_what_the_model_settles_to(one: Case, samples: int) -> None:
     plain = SceneSpec.model_validate(one.scene).plain()
@@ -160,13 +161,14 @@ def check_controlled(drawn: list[Drawn]) -> tuple[int, int]:
     return trials, cycles
 
 
-@pytest.mark.one_in(12)
+@pytest.mark.one_in(18)
 @pytest.mark.parametrize("controller", ORDER)
 def test_beside_a_controller(controller: str) -> None:
     trials, _ = check_controlled(with_hysteresis(controller, 3, seed=31))
     assert trials, "rounding could decide in all scenes: nothing was tested"
 
 
+@pytest.mark.long
 def test_beside_virtual_damping_without_a_controller() -> None:
     """The wall's own torque is the law; the model that knows no controllers has the same samples."""
     drawn = []

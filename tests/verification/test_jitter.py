@@ -120,6 +120,7 @@ def test_intervals_are_those_of_whole_numbers(seed: int, trial: int) -> None:
     assert 1.248 < max(drawn) <= 1.25
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("jitter", JITTERS)
 @pytest.mark.parametrize("name", CASES)
 def test_every_sample(name: str, jitter: str) -> None:

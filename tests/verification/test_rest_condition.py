@@ -24,7 +24,7 @@ from .scenes import BIASES, COUNTS, RATES_HZ, STIFFNESSES, hand_on_knob, sample,
 EPSILON = 2.0**-52
 
 SETTINGS = settings(
-    max_examples=150,
+    max_examples=60,
     deadline=None,
     derandomize=True,
     database=None,

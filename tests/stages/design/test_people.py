@@ -73,6 +73,7 @@ def test_every_published_set_and_both_ways_are_asked() -> None:
     assert doubts(plan._replace(touch=None)) == ()
 
 
+@pytest.mark.long
 def test_a_search_says_what_would_change_its_answer() -> None:
     """Sensitive hands: the row that `answer_if` names is what the search answers under the limit moved so."""
     plan = planned(DESIGN.replace("{above_present: 0}", "{at_most: 20}"))

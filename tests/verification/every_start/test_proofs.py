@@ -21,6 +21,7 @@ def few(tmp_path_factory: pytest.TempPathFactory) -> Listed:
     return Listed.read(sweep(tmp_path_factory.mktemp("few") / "out", *settings))
 
 
+@pytest.mark.long
 def test_every_start_in_the_ranges(few: Listed) -> None:
     """Each list is the proven one, and every orbit captured some piece."""
     for number in range(len(few.cells)):

@@ -136,6 +136,7 @@ def test_no_state_is_lost(
         assert any(inside_of(at_x - to_x, at_v - to_v, own, slack) for _, to_x, to_v, own in done)
 
 
+@pytest.mark.long
 @settings(deadline=None, max_examples=300, phases=[Phase.explicit, Phase.reuse, Phase.generate])
 @given(depth=st.integers(0, DEEPEST), **SETS)
 def test_no_state_is_lost_without_a_cut(

@@ -1,25 +1,30 @@
-"""Clips on a page: of what is recorded, loud by one factor, heard without a request, none where nothing settled."""
+"""Tests of `page.drawn`: figures by one process and by several; clips on a page, which are loud by one factor.
+
+Clips are of what is recorded, heard without a request, and there is none where nothing settled.
+"""
 
 import base64
 import io
 import wave
+from multiprocessing import active_children
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from hknob_cli.errors import SpecError
+from hknob_cli.errors import SpecError, UsageError
 from hknob_cli.figures import draw, theme
 from hknob_cli.figures.recording import settled_period
-from hknob_cli.page.compose import DURATION_S, RATE_HZ, clips
+from hknob_cli.page import drawn
+from hknob_cli.page.drawn import DURATION_S, RATE_HZ, clips, draw_figures
 from hknob_cli.page.layout import lay_out
 from hknob_cli.recordings.spectrum import recorded_harmonics
 from hknob_cli.results.provenance import describe
 from hknob_cli.results.result_set import MissingError, ResultSet
 from hknob_cli.results.store import write
 from hknob_cli.specs.load import load
-from hknob_cli.specs.page_plan import Listen
+from hknob_cli.specs.page_plan import FigurePlan, Listen, Sentence
 from hknob_cli.specs.report import validate_report
 from hknob_cli.specs.source import parse
 from hknob_cli.stages.sweep.record import record_sweep
@@ -28,6 +33,7 @@ from tests.conftest import EXPERIMENTS
 from tests.page.opened import Opened
 from tests.page.sample import page
 
+MANY = 3  # figures, of which several processes draw one or two
 BOTH = (Listen("coarse", "coarse"), Listen("fine", "fine"))
 
 
@@ -101,6 +107,43 @@ def test_cycles_and_their_harmonics_are_drawn(evidence: ResultSet) -> None:
         assert text in one
     with pytest.raises(MissingError, match="2 recordings, but 1 names"):
         draw("cycle_spectra", evidence, ["coarse", "fine"], {"names": ["one"]})
+
+
+def planned(evidence: ResultSet, draws: list[str]) -> list[FigurePlan]:
+    return [
+        FigurePlan(f"fig-{i}", name, tuple(evidence.names[:2]), {"names": ["a", "b"]}, "t", Sentence("{x}", {}), "")
+        for i, name in enumerate(draws)
+    ]
+
+
+def test_several_processes_draw_what_one_does_in_its_order(
+    evidence: ResultSet, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(drawn, "FEW", MANY)
+    figures = planned(evidence, ["cycle_spectra"] * MANY)
+    figures[1] = figures[1]._replace(of=("fine", "short"))  # which has no picture, and says why
+    found, counted = [], []
+    for jobs in (1, 2):
+        done: list[int] = []
+        found.append(draw_figures(figures, evidence, "", jobs=jobs, progress=lambda n, _, done=done: done.append(n)))
+        counted.append(done)
+    assert found[0] == found[1]
+    assert [one.id for one in found[1]] == [one.id for one in figures]
+    assert "ends before it repeats itself" in found[1][1].missing
+    assert all(one.svg for i, one in enumerate(found[1]) if i != 1)
+    assert all(some == sorted(some) and some[-1] == MANY for some in counted)
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_figure_that_cannot_be_drawn_ends_all_of_them(
+    evidence: ResultSet, jobs: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(drawn, "FEW", MANY)
+    figures = planned(evidence, ["cycle_spectra"] * MANY)
+    figures[2] = figures[2]._replace(options={"names": 3}, where="report.yaml:7:5")
+    with pytest.raises(UsageError, match=r"^report\.yaml:7:5: cycle_spectra of coarse, fine cannot be drawn"):
+        draw_figures(figures, evidence, "", jobs=jobs, progress=lambda *_: None)
+    assert not active_children()
 
 
 def test_a_spec_may_ask_for_clips_and_says_what_is_wrong() -> None:
