@@ -42,13 +42,18 @@ class Cells(NamedTuple):
     boxes: Any
 
 
+def rounded(x, fast, hard, u, body):
+    """Far above what roundings add to a position or a speed within a hold, by the size of all terms."""
+    return SLACK * (1.0 + abs(x) + fast + hard + abs(u) + abs(body.drive))
+
+
 def rests(x, v, rx, rv, u, shown, body, wall):
     """Whether every motion from a box comes to rest under the command ``u``, whatever the intervals are."""
     rest = (u + body.drive) / body.beta
     gap = edge_gap(rest, shown, shown, wall)
     away, pace = abs(x - rest) + rx, abs(v) + rv
     far = body.reach * sqrt(pace * pace + body.beta * away * away)
-    return far + SLACK * (1.0 + far + abs(rest) + (abs(u) + abs(body.drive)) / body.beta) < gap
+    return far + SLACK * (1.0 + far + (abs(u) + abs(body.drive)) / body.beta) < gap
 
 
 def successors(at, cells, body, wall):
@@ -65,7 +70,7 @@ def successors(at, cells, body, wall):
     fast = abs(v) + rv + abs(y) + body.beta * rx
     hard = abs(y) + body.beta * (rx + fast) + body.alpha * fast
     jerk = body.beta * fast + body.alpha * hard
-    free = 1.0 - cells.shortest
+    free, wide = 1.0 - cells.shortest, rounded(x, fast, hard, u, body)
     level, count = 0, 1
     while level < LEVELS - 1 and count < free * max(fast / cells.width, hard / cells.height):
         level, count = level + 1, 2 * count
@@ -79,8 +84,8 @@ def successors(at, cells, body, wall):
         pull = u + body.drive - body.beta * at_x - body.alpha * at_v
         off_x += half * (abs(at_v) + off_v + half * hard)
         off_v += half * (abs(pull) + body.beta * off_x + body.alpha * off_v + half * jerk)
-        off_x += SLACK * (1.0 + abs(x) + fast)
-        off_v += SLACK * (1.0 + abs(x) + fast + abs(u) + abs(body.drive))
+        off_x += wide
+        off_v += wide
         first, last = floor((at_x - off_x) / cells.width) - cells.left, floor((at_x + off_x) / cells.width) - cells.left
         under, over = floor((at_v - off_v) / cells.height) - cells.low, floor((at_v + off_v) / cells.height) - cells.low
         if cells.whole and (first < 0 or under < 0 or last >= cells.columns or over >= cells.rows):
@@ -189,7 +194,8 @@ def hold_range(at, cells, body, wall):
     x = (cells.left + at // cells.rows) * cells.width + rx
     v = (cells.low + at % cells.rows) * cells.height + rv
     shown = read(x, wall)
-    y = command(shown, shown, wall) + body.drive - body.beta * x
+    u = command(shown, shown, wall)
+    y = u + body.drive - body.beta * x
     fast = abs(v) + rv + abs(y) + body.beta * rx
     hard = abs(y) + body.beta * (rx + fast) + body.alpha * fast
     least, most, half = x - rx, x + rx, 0.5 / HOLD
@@ -199,7 +205,7 @@ def hold_range(at, cells, body, wall):
         at_x = x + s * v + g * y
         off = abs(1.0 - body.beta * g) * rx + abs(s) * rv
         pace = abs(f * v + s * y) + abs(body.beta * s) * rx + abs(f) * rv
-        off += half * (pace + half * hard) + SLACK * (1.0 + abs(x) + fast)
+        off += half * (pace + half * hard) + rounded(x, fast, hard, u, body)
         least, most = min(least, at_x - off), max(most, at_x + off)
     return least, most
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hknob_cli.engine.general.body import Body
-from hknob_cli.engine.general.clock_cells import HOLD, LEVELS, SLACK, THERE, Cells
+from hknob_cli.engine.general.clock_cells import HOLD, LEVELS, THERE, Cells, rounded
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.jitter import SHORTEST
 from hknob_cli.engine.propagator import hold_coefficients
@@ -60,8 +60,8 @@ def start_regions(body: Body, start: Sequence[float]) -> list[Region]:
     for i in range(START_PARTS):
         s, g, f = hold_coefficients(body.alpha, body.beta, (i + 0.5) / START_PARTS)
         at, pace = x + s * v + g * y, f * v + s * y
-        off_x = half * (abs(pace) + half * hard) + SLACK * (1.0 + abs(x) + fast)
-        off_v = half * hard + SLACK * (1.0 + abs(x) + fast)
+        wide = rounded(x, fast, hard, 0.0, body)
+        off_x, off_v = half * (abs(pace) + half * hard) + wide, half * hard + wide
         found.append(Region(at - off_x, at + off_x, pace - off_v, pace + off_v))
     return found
 

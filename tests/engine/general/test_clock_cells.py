@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from math import sqrt
 from random import Random
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -12,15 +12,18 @@ from hknob_cli.engine.general import every_clock
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.clock_cells import (
     CAPTURED,
+    HOLD,
     LEAVES,
     LEVELS,
     RESTS,
+    SLACK,
     THERE,
     UNSEEN,
     Cells,
     hold_range,
     reach_cells,
     rests,
+    rounded,
     successors,
     trim_cells,
     widest_range,
@@ -34,6 +37,20 @@ from tests.verification.general_scenes import scene
 from tests.verification.test_jitter import knob_of, with_clock
 
 BOXES = 4 * 2 ** (LEVELS - 1)
+
+
+class Still(NamedTuple):
+    """What cells need of a body; ``halt`` never rings."""
+
+    beta: float
+    drive: float
+    alpha: float = 0.0
+    halt: tuple[float, ...] = (0.0,)
+
+    @property
+    def reach(self) -> float:
+        """Position of a unit root of energy."""
+        return 1.0 / sqrt(self.beta)
 
 
 def grid_of(body: Body, wall: Controller, fineness: int, far: int = 6, *, whole: bool = True) -> Cells:
@@ -164,6 +181,35 @@ def test_a_box_rests_where_its_farthest_corner_is_within_the_gap() -> None:
                 assert not rests(x, v, rx, rv, u, shown, body, wall)
                 assert not rests(x, -v, rx, rv, u, shown, body, wall)
     assert found > 0
+
+
+def test_roundings_are_bounded_by_the_size_of_all_terms() -> None:
+    """So large as is written, in numbers that a double holds."""
+    assert rounded(-2.0, 4.0, 8.0, -16.0, Still(1.0, -32.0)) == SLACK * 63.0
+    # A rest at -1/2 in the count below 0, and a state at rest beside it: the gap is 1/2.
+    wall = as_list(knob_of(with_clock(scene(), 0.3)).wall)
+    one, two, four = (1.0, -0.5, 0.0, 2.0), (1.0, -1.5, 1.0, 4.0), (0.5, -1.25, 1.0, 6.0)
+    for beta, u, drive, size in (one, two, four, (1.0, 0.5, -1.0, 3.0)):
+        for part, found in ((0.98, False), (1.02, True)):
+            x = -1.0 + part * size * SLACK
+            assert rests(x, 0.0, 0.0, 0.0, u, -1.0, Still(beta, drive), wall) == found
+
+
+def test_a_box_that_stays_comes_into_those_beside_it() -> None:
+    """Its sides are theirs, and a rounding decides: a state on a side is in both."""
+    wall = as_list(knob_of(with_clock(scene(), 0.3)).wall)._replace(kappa=0.0)
+    parts = [0.0, 0.0, 1.0] * (2**LEVELS - 1 + HOLD)
+    cells = Cells(0.25, 0.25, -8, -8, 16, 16, 1.0, True, parts, [0] * BOXES)
+    at = 5 * 16 + 6
+    assert reached(successors(at, cells, Still(1.0, 0.0), wall), cells) == {
+        at + column * 16 + row for column in (-1, 0, 1) for row in (-1, 0, 1)
+    }
+    for side in (5, 5 * 16, 5 * 16 + 15, 15 * 16 + 6):
+        assert successors(side, cells, Still(1.0, 0.0), wall) == LEAVES
+        inside = cells._replace(whole=False)
+        there = reached(successors(side, inside, Still(1.0, 0.0), wall), inside)
+        assert there <= set(range(16 * 16))
+        assert len(there) == 6
 
 
 def graph_of(knob: GeneralKnob, cells: Cells, begun: list[int]) -> dict[int, set[int]]:
