@@ -98,7 +98,7 @@ WHY = {
 }  # fmt: skip
 # What is refused beside a sample clock that jitters, though the general loop takes it.
 BESIDE_JITTER = {
-    "bare": "what brings the knob to rest in the wall is shown of intervals that are alike",
+    "bare": "what brings the knob to rest beside it is known only of intervals that are alike",
 }
 # Refusals whose fault stands at what is asked for, not at the part of the scene.
 AT = {
