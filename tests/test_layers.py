@@ -83,6 +83,7 @@ SMALL = {
     "engine/orbit/holds.py": "a group of compiled functions",
     "engine/trace.py": "a group of compiled functions",
     "engine/turning.py": "a group of compiled functions",
+    "figures/laid_out.py": "needs the library as it is loaded, which the others load when they draw",
     "page/claims/text.py": "words, of which a change does not make results old",
     "page/template_files.py": "the page and the page of explore have it in common, and nothing else",
     "page/contents.py": "reads a format of its own, which the program only quotes",

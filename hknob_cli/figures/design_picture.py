@@ -105,11 +105,9 @@ def _thinned(rows: Rows) -> Rows:
 
 def draw_design(plan: DesignPlan, rows: list[Row], *, path: Path) -> None:
     """Draw design.parquet's rows into ``path`` (PNG). Raises `ComputationError` if the file cannot be written."""
-    from matplotlib.figure import Figure
-
     plain = [row for row in rows if row["notional"] is not None]
     wide = min(len({row[RATE] for row in plain}), len({row[COUNTS] for row in plain})) > 1 if plain else False
-    figure = Figure(figsize=(15.0 if wide else 9.0, 7.2), layout="constrained")
+    figure = theme.figure(width=15.0 if wide else 9.0, height=7.2)
     if wide:
         grid = figure.add_gridspec(2, 2, width_ratios=(1.6, 1.0))
         axes = figure.add_subplot(grid[:, 0])

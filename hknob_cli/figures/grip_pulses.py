@@ -22,10 +22,8 @@ def draw_grip_pulses(samples: pa.Table, trials: list[Row], *, name: str, paths: 
 
     Raises `ComputationError` if a file cannot be written.
     """
-    from matplotlib.figure import Figure
-
     targets = sorted({row["grip_target_n"] for row in trials})
-    figure = Figure(figsize=(11.0, 1.6 * len(targets) + 1.3), layout="constrained")
+    figure = theme.figure(width=11.0, height=1.6 * len(targets) + 1.3)
     panels = figure.subplots(len(targets), 2, squeeze=False, sharex="col")
     column = {one: samples[one].to_numpy() for one in ("trial", "time_s", "grip_n", "angle_rad", "torque_nm")}
     for (grip, angle), target in zip(panels, targets, strict=True):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import pyarrow as pa
 
+from hknob_cli.figures import theme
 from hknob_cli.figures.grid import axis_name
 from hknob_cli.figures.heat import colour_map
 from hknob_cli.figures.sheet import save
@@ -35,14 +36,12 @@ def draw_hw_run(
 
     Raises `ComputationError` if the file cannot be written.
     """
-    from matplotlib.figure import Figure
-
     cells = cells_of(trials)
     rates, counts = sorted({cell[RATE] for cell in cells}), sorted({cell[COUNTS] for cell in cells})
     small = len(rates) <= _MOST_THUMBNAILS and len(counts) <= _MOST_THUMBNAILS
     top = 0.5 * len(counts) + 2.2
     bottom = 1.1 * len(counts) + 0.9 if small else 0.0
-    figure = Figure(figsize=(13.5, top + 2.6 + bottom), layout="constrained")
+    figure = theme.figure(width=13.5, height=top + 2.6 + bottom)
     parts: Any = figure.subfigures(3 if small else 2, 1, height_ratios=[top, 2.6, bottom][: 3 if small else 2])
     _maps(parts[0], cells, rates, counts)
     _grips(parts[1], trials, target_n)
@@ -169,12 +168,11 @@ def _thumbnail(ax: "Axes", samples: pa.Table, row: Row) -> float:
 def draw_timing(samples: pa.Table, trials: list[Row], *, name: str, path: Path) -> None:
     """Draw a histogram for each sample rate into ``path`` (PNG). Raises `ComputationError` if it cannot be written."""
     import numpy as np
-    from matplotlib.figure import Figure
 
     rates = sorted({row[RATE] for row in trials})
     columns = min(len(rates), 4)
     lines = -(-len(rates) // columns)
-    figure = Figure(figsize=(3.6 * columns + 1.0, 2.9 * lines + 0.7), layout="constrained")
+    figure = theme.figure(width=3.6 * columns + 1.0, height=2.9 * lines + 0.7)
     axes = figure.subplots(lines, columns, squeeze=False)
     columns_of = {name: samples[name].to_numpy() for name in ("trial", "device_time_us", "sample")}
     for ax, rate in zip(axes.flat, rates, strict=False):

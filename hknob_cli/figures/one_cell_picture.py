@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import pyarrow as pa
 
+from hknob_cli.figures import theme
 from hknob_cli.figures.sheet import save
 from hknob_cli.report.table import short
 
@@ -36,10 +37,8 @@ def draw_one_cell(
 
     Raises `ComputationError` if the file cannot be written.
     """
-    from matplotlib.figure import Figure
-
     motions = _motions(recorded, orbits)
-    figure = Figure(figsize=(13.0, 6.0), layout="constrained")
+    figure = theme.figure(width=13.0, height=6.0)
     over_time, plane = figure.subplots(1, 2)
     for i, one in enumerate(motions):
         style: dict[str, Any] = {"color": _COLOURS[i % len(_COLOURS)], "linewidth": 1.3}

@@ -171,12 +171,10 @@ def _dress(panels: "list[Axes]", names: list[str]) -> None:
 
 def draw_over(rows: list[dict[str, Any]], axis: str, unit: str, *, title: str, path: Path) -> None:
     """Draw remedies.parquet's rows into ``path`` (PNG). Raises `ComputationError` if the file cannot be written."""
-    from matplotlib.figure import Figure
-
     found = over_axis(rows, axis)
     names = list(found)
     values = [row[axis] for row in found[names[0]]]
-    figure = Figure(figsize=(3.6 + 0.75 * len(values), 1.9 + 0.27 * len(names)), layout="constrained")
+    figure = theme.figure(width=3.6 + 0.75 * len(values), height=1.9 + 0.27 * len(names))
     axes = figure.subplots()
     colours = [[_colour(row) for row in found[name]] for name in names]
     image = axes.imshow(colours, cmap="RdBu", vmin=-REACH, vmax=REACH, aspect="auto", interpolation="nearest")

@@ -7,6 +7,7 @@ from math import isfinite, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hknob_cli.figures import theme
 from hknob_cli.figures.sheet import save
 from hknob_cli.recordings.columns import UNNAMED
 
@@ -59,8 +60,6 @@ def draw_hands(conditions: list[Row], *, title: str, path: Path) -> bool:
     blocks. False, and no file, where none of the parameters could be told. Raises `ComputationError` if the file cannot
     be written.
     """
-    from matplotlib.figure import Figure
-
     held = any(row["grip_target_n"] for row in conditions)
     rows = [row for row in conditions if row["level"] == ("all" if held else "subject")]
     parameters = [one for one in _PARAMETERS if any(_told(row, one[0]) for row in rows)]
@@ -71,7 +70,7 @@ def draw_hands(conditions: list[Row], *, title: str, path: Path) -> bool:
     places: list[Any] = sorted({row["grip_target_n"] for row in rows})
     if not held:
         places = list(dict.fromkeys(row["subject"] for row in rows))
-    figure = Figure(figsize=(0.8 + 3.3 * len(parameters), 1.6 + 2.3 * len(experiments)), layout="constrained")
+    figure = theme.figure(width=0.8 + 3.3 * len(parameters), height=1.6 + 2.3 * len(experiments))
     panels = figure.subplots(len(experiments), len(parameters), sharex=True, sharey="col", squeeze=False)
     for line, experiment in zip(panels, experiments, strict=True):
         for axes, (column, scale, _) in zip(line, parameters, strict=True):

@@ -148,9 +148,9 @@ def styled(draw: "Callable[..., Figure]") -> "Callable[..., Figure]":
 
 def figure(height: float = 3.2, width: float = WIDTH) -> "Figure":
     """An empty figure of the page's style, in inches."""
-    from matplotlib.figure import Figure
+    from hknob_cli.figures.laid_out import LaidOut
 
-    return Figure(figsize=(width, height), layout="constrained")
+    return LaidOut(figsize=(width, height), layout="constrained")
 
 
 def series(index: int) -> dict[str, Any]:

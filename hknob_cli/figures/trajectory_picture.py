@@ -11,6 +11,7 @@ from typing import Any
 
 import pyarrow as pa
 
+from hknob_cli.figures import theme
 from hknob_cli.figures.sheet import save
 from hknob_cli.report.table import short
 
@@ -34,15 +35,13 @@ class Scale:
 
 def draw_trajectories(table: pa.Table, axes: list[str], stiffness: float, *, title: str, path: Path) -> None:
     """Draw the first trials of ``table`` into ``path`` (PNG). Raises `ComputationError` if it cannot be written."""
-    from matplotlib.figure import Figure
-
     rows = table.to_pylist()
     apart = [*axes, *(["start_rad"] if "start_rad" in rows[0] else []), "trial"]
     groups: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
     for row in rows:
         groups.setdefault(tuple(row[name] for name in apart), []).append(row)
     shown = list(groups.items())[:MOST_PANELS]
-    figure = Figure(figsize=(9.5, 1.2 + 3.6 * len(shown)), layout="constrained")
+    figure = theme.figure(width=9.5, height=1.2 + 3.6 * len(shown))
     panels = figure.subplots(2 * len(shown), 1, squeeze=False, height_ratios=[2.2, 1.0] * len(shown))[:, 0]
     time = Scale(max(row["time_s"] for row in rows))
     several = len({key[-1] for key in groups}) > 1

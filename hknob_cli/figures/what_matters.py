@@ -61,10 +61,9 @@ def draw_matters(
     name, matters = next(iter(found.items()))
     if not matters:
         return False
-    from matplotlib.figure import Figure
 
     across = min(_ACROSS, len(matters))
-    figure = Figure(figsize=(3.5 * across + 0.6, 5.4 * ceil(len(matters) / across) + 0.9), layout="constrained")
+    figure = theme.figure(width=3.5 * across + 0.6, height=5.4 * ceil(len(matters) / across) + 0.9)
     draw_blocks(figure, found, series, across=across, scales=scales or {}, share=share)
     columns = next(iter(series.values()))
     cells = len(columns[measures_in(columns)[0]])

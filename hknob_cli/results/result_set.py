@@ -68,6 +68,7 @@ class Result:
         self.name = name
         self.folder = folder
         self._tables: dict[str, pa.Table] = {}
+        self._schemas: dict[str, pa.Schema] = {}
 
     def table(self, file: str) -> pa.Table:
         """A table, by file name with or without ``.parquet``. Raises `MissingError`.
@@ -166,10 +167,12 @@ class Result:
 
     def _schema(self, file: str) -> pa.Schema:
         """Columns of a table, and what it says of itself. Raises `MissingError`."""
-        try:
-            return result_schema(self.folder / file)
-        except (OSError, pa.ArrowException) as error:
-            raise self._unreadable(file, error) from None
+        if file not in self._schemas:
+            try:
+                self._schemas[file] = result_schema(self.folder / file)
+            except (OSError, pa.ArrowException) as error:
+                raise self._unreadable(file, error) from None
+        return self._schemas[file]
 
     def _unreadable(self, file: str, error: Exception) -> HknobError:
         """That there is no such table, or a damaged one; where the disk fails an error after which no page is made."""
