@@ -230,15 +230,18 @@ class GeneralMeasurer:
     def _jitter(self, attractor: Attractor) -> OrbitMeasures:
         """Where the sample clock jitters: swing and pitch of one trial after its last sample."""
         knob = self.knob
-        chart = self.engine.chart(knob.body, knob.wall, attractor._replace(period=RATTLE))
+        charts = (self.engine.chart(knob.body, knob.wall, attractor._replace(period=n)) for n in (RATTLE, RATTLE // 4))
+        chart = next((one for one in charts if one is not None), None)
         if chart is None:
             return OrbitMeasures()
         turns, x = find_turns(chart), chart.states[:, 0]
+        found = OrbitMeasures(
+            cycles=0, jitter_p2p_rad=0.0, jitter_range_rad=float(np.ptp(x)) * knob.quantum_rad, **self._behind(chart)
+        )
         if len(turns.maxima) == 0 or len(turns.minima) == 0:
-            return OrbitMeasures(jitter_p2p_rad=0.0, jitter_range_rad=float(np.ptp(x)) * knob.quantum_rad)
-        return OrbitMeasures(
+            return found
+        return found._replace(
             jitter_p2p_rad=float(turns.maxima.mean() - turns.minima.mean()) * knob.quantum_rad,
-            jitter_range_rad=float(np.ptp(x)) * knob.quantum_rad,
             jitter_frequency_hz=len(turns.maxima) / (float(chart.spans.sum()) * knob.period_s),
         )
 

@@ -175,7 +175,7 @@ _TABLE = {
     "hysteresis":      "--P-P ------ -EE~ ~----",
     "backlash":        "--P-P ------ -EE~ ~----",
     "bare":            "--PPE ------ -EE~ ---E-",
-    "jitter":          "--E-- ------ -EE- -----",
+    "jitter":          "--E-E ------ -EE- -----",
     "unsampled":       "---P- ------ -E-- ---E-",
     "controller":      "----P ----P- -EE~ ----~",
     "speed_sensor":    "----P ------ -EE~ ----~",
@@ -240,7 +240,7 @@ EXCEPTIONS = {
         for part in ("hysteresis", "backlash")
     },
     **{("bare", "play", at): (REFUSED, ON_ONE_FLANK) for at in ("general", "laws")},
-    **{("jitter", part, "general"): (REFUSED, why) for part, why in BESIDE_JITTER.items()},
+    **{("jitter", part, at): (REFUSED, why) for part, why in BESIDE_JITTER.items() for at in ("general", "laws")},
     ("friction", "bare", "general"): (EXACT, "the period map is not shown to contract"),
     ("friction", "speed_sensor", "laws"): (EXACT, "the torque follows the motion, which is not affine"),
     **{

@@ -37,7 +37,6 @@ WHY = {
     ("unsampled", "laws"): "it acts at samples",
     **{("jitter", column): "its samples are a period apart" for column in _A_PERIOD_APART},
     **{("jitter", column): "the next sample comes at another time in each motion" for column in _SETS},
-    ("jitter", "laws"): "an interval's looks, and changes of its torque, come after known times",
     ("jitter", "unsampled"): "there is no clock",
     ("jitter", "basins"): "where a start ends depends on the intervals that are drawn",
     ("jitter", "perceive"): "no motion repeats",
@@ -99,10 +98,7 @@ WHY = {
 }  # fmt: skip
 # What is refused beside a sample clock that jitters, though the general loop takes it.
 BESIDE_JITTER = {
-    "bare": "what brings the knob to rest in the wall is shown of intervals that are alike",
-    "hysteresis": "turning points of the count are followed in intervals that are alike",
-    "backlash": "turning points of the count are followed in intervals that are alike",
-    "play": "teeth are followed in intervals that are alike",
+    "bare": "what brings the knob to rest beside it is known only of intervals that are alike",
 }
 # Refusals whose fault stands at what is asked for, not at the part of the scene.
 AT = {

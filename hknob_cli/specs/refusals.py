@@ -8,7 +8,6 @@ from hknob_cli.specs.capabilities import (
     APART,
     AT,
     COLUMNS,
-    EXCEPTIONS,
     PARTS,
     REFUSED,
     SAID_OF_STARTS,
@@ -17,6 +16,7 @@ from hknob_cli.specs.capabilities import (
     parts_of,
     reason,
 )
+from hknob_cli.specs.capability_reasons import BESIDE_JITTER
 from hknob_cli.specs.controller import KINDS, Controller
 from hknob_cli.specs.gear_faults import gear_contradictions
 from hknob_cli.specs.hand import HandSpec, hand_contradictions
@@ -156,12 +156,8 @@ def _of_jitter(scene: SceneSpec, axes: Axes) -> Faults:
     found: Faults = []
     if any(delay % 1.0 for delay in delays):
         found.append((places[0], "must be 0 beside a delay by a part of a sample: intervals are not of one length"))
-    beside = {"bare": scene.encoder == "none"}
-    beside |= {part: bool(given(scene, axes, PARTS[part].path)) for part in ("hysteresis", "backlash", "play")}
-    for part, there in beside.items():
-        if there:
-            why = EXCEPTIONS["jitter", part, "general"][1]
-            found.append((places[0], f"must be 0 beside {PARTS[part].title}: {why}"))
+    if scene.encoder == "none":
+        found.append((places[0], f"must be 0 beside {PARTS['bare'].title}: {BESIDE_JITTER['bare']}"))
     return found
 
 
