@@ -80,7 +80,6 @@ SMALL = {
     "at_once.py": "the command loads it before all else",
     "apparatus/streams.py": "random streams of two rooms, apparatus and hardware, that loads neither",
     "cli/verify.py": "a command",
-    "engine/general/jitter.py": "a group of compiled functions",
     "engine/orbit/holds.py": "a group of compiled functions",
     "engine/trace.py": "a group of compiled functions",
     "engine/turning.py": "a group of compiled functions",
@@ -94,6 +93,7 @@ SMALL = {
     "specs/motor_faults.py": "faults of a motor with its grid, which the part itself cannot show",
     "specs/pipeline_plan.py": "a plan, which the work uses without loading validation",
     "spread/cores.py": "a sweep asks for the cores before it loads anything that spreads work",
+    "stages/sweep/expected.py": "a guess before any cell runs, which the cells do not need",
     "stages/job.py": "the process that parses makes a job without loading the work",
     "theory/bounded_lag.py": "the derivation of a rule; stages ask by scene",
 }

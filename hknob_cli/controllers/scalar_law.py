@@ -11,6 +11,7 @@ from hknob_cli.controllers.plain_wall import PlainWall
 from hknob_cli.engine.general.body import ADDED
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.follow import CYCLE_EXPANDS
+from hknob_cli.engine.general.jitter import meant_pace
 from hknob_cli.engine.general.laws.law import BLOCK, CYCLE_NOT_AFFINE, PIECE, Law
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.scene.general_body import add_spans
@@ -40,6 +41,7 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int | None)
     knob = sample_general(scene, sample_rate_hz=sample_rate_hz, counts_per_rev=counts_per_rev, walled=False)
     control = make_control_law(scene.controller) if scene.controller else PlainWall()
     plant = _plant(knob, scene.wall.stiffness)
+    unit = plant.stiffness * (knob.period_s * knob.period_s / knob.inertia_kg_m2)
     fixed, first, fading = control.numbers(plant), control.first(), control.fading(plant)
     rows = len(first)
     split = knob.wall.split
@@ -55,7 +57,7 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int | None)
     known = body.order + ages - 1 if control.senses_speed else 0  # numbers that a period's map is of
     law = Law(
         act=control.act,
-        unit=plant.kappa,
+        unit=unit,
         fixed=fixed,
         first=first,
         rows=rows,
@@ -68,7 +70,7 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int | None)
         sched=[float(number) for piece in pieces for number in piece],
         fading=fading.row,
         fade=float(fading.fade),
-        weight=float(fading.weight * plant.kappa),
+        weight=float(fading.weight * unit),
         coarse=control.coarseness(plant),
         guarded=fading.guarded or stepped,
         anchor=control.anchor,
@@ -105,15 +107,17 @@ def _watched(wall: Controller, *, outside: bool) -> Controller:
 
 
 def _plant(knob: GeneralKnob, stiffness: float) -> Plant:
-    """The knob as the controller's model of it: one body."""
+    """The knob as the controller's model of it: one body, sampled with the period that is meant."""
     body, walled = knob.body, stiffness > 0.0
     stiffness = stiffness if walled else UNIT
+    meant = float(meant_pace(1.0, knob.wall.clock))
+    period = meant * knob.period_s
     return Plant(
-        alpha=body.alpha,
-        beta=body.beta,
-        kappa=stiffness * (knob.period_s * knob.period_s / knob.inertia_kg_m2),
+        alpha=meant * body.alpha,
+        beta=meant * meant * body.beta,
+        kappa=stiffness * (period * period / knob.inertia_kg_m2),
         offset=knob.wall.offset,
-        period_s=knob.period_s,
+        period_s=period,
         quantum_rad=knob.quantum_rad,
         stiffness=stiffness,
         walled=walled,

@@ -52,6 +52,7 @@ GENERAL = (
     "general.follow",
     "general.ensemble",
     "general.trace",
+    "general.clock_cells",
 )
 # The general loop under a controller; the law itself is compiled by itself (`compiled_law`).
 LAWS = (

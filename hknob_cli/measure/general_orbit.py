@@ -226,23 +226,25 @@ class GeneralMeasurer:
         chart = self.engine.chart(body, knob.wall, attractor._replace(period=RATTLE))
         if chart is None:
             return OrbitMeasures()
-        turned = chart.states[:, 0]
-        least, most = extremes(body, chart, knob_row) if knob.behind else (float(turned.min()), float(turned.max()))
+        least, most = extremes(body, chart, knob_row) if knob.behind else (0.0, float(np.ptp(chart.states[:, 0])))
         rate = self.engine.parting_rate(body, knob.wall, attractor, RATTLE)
         return OrbitMeasures(rattle_p2p_rad=(most - least) * knob.quantum_rad, parting_per_s=rate / knob.period_s)
 
     def _jitter(self, attractor: Attractor) -> OrbitMeasures:
         """Where the sample clock jitters: swing and pitch of one trial after its last sample."""
         knob = self.knob
-        chart = self.engine.chart(knob.body, knob.wall, attractor._replace(period=RATTLE))
+        charts = (self.engine.chart(knob.body, knob.wall, attractor._replace(period=n)) for n in (RATTLE, RATTLE // 4))
+        chart = next((one for one in charts if one is not None), None)
         if chart is None:
             return OrbitMeasures()
         turns, x = find_turns(chart), chart.states[:, 0]
+        found = OrbitMeasures(
+            cycles=0, jitter_p2p_rad=0.0, jitter_range_rad=float(np.ptp(x)) * knob.quantum_rad, **self._behind(chart)
+        )
         if len(turns.maxima) == 0 or len(turns.minima) == 0:
-            return OrbitMeasures(jitter_p2p_rad=0.0, jitter_range_rad=float(np.ptp(x)) * knob.quantum_rad)
-        return OrbitMeasures(
+            return found
+        return found._replace(
             jitter_p2p_rad=float(turns.maxima.mean() - turns.minima.mean()) * knob.quantum_rad,
-            jitter_range_rad=float(np.ptp(x)) * knob.quantum_rad,
             jitter_frequency_hz=len(turns.maxima) / (float(chart.spans.sum()) * knob.period_s),
         )
 

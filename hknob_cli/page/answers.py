@@ -37,7 +37,7 @@ from hknob_cli.specs.plan import COUNTS, PERSON, RATE
 
 _SHARES = ("at_rest_fraction", "certified_fraction")
 _RANGED = ("complete", "share_error", "grows_rad", "undecided_fraction", "piece_count")
-_OTHERS = (*_RANGED, "sustained", "growth_j_per_s2", "rattle_max_rad", "jitter_max_rad")
+_OTHERS = (*_RANGED, "sustained", "growth_j_per_s2", "rattle_max_rad", "jitter_max_rad", "clock_bound_rad")
 
 
 def answers_of(evidence: ResultSet) -> tuple[str, ...]:
@@ -109,11 +109,13 @@ def _part(table: pa.Table, sizes: "np.ndarray", resting: "np.ndarray", *, comple
         places = (moving[np.argmax(sizes[moving])], moving[np.argmin(sizes[moving])])
         ends = [table.slice(int(place), 1).to_pylist()[0] for place in places]
     scope = scope_of(table.column_names, complete=complete)
-    swings = table["rattle_max_rad"].drop_null().to_pylist() if "rattle_max_rad" in table.column_names else []
-    moves = table["jitter_max_rad"].drop_null().to_pylist() if "jitter_max_rad" in table.column_names else []
+    swings, moves, bounds = (
+        tuple(table[name].drop_null().to_pylist()) if name in table.column_names else ()
+        for name in ("rattle_max_rad", "jitter_max_rad", "clock_bound_rad")
+    )
     still = int((resting == 1.0).sum())
     return Buzz(
-        table.num_rows, int(moving.size), still, ends[0], ends[1], scope, tuple(swings), _unproven(table), tuple(moves)
+        table.num_rows, int(moving.size), still, ends[0], ends[1], scope, swings, _unproven(table), moves, bounds
     )
 
 
@@ -136,6 +138,7 @@ def _merged(one: Buzz, other: Buzz) -> Buzz:
         (*one.rattles, *other.rattles),
         (one.unproven[0] + other.unproven[0], max(one.unproven[1], other.unproven[1])),
         (*one.jitters, *other.jitters),
+        (*one.bounds, *other.bounds),
     )
 
 

@@ -4,6 +4,7 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from hknob_cli.report.table import short
+from hknob_cli.report.unrepeated import every_clock_text, jitter_text, of_cells, range_text, rattle_text
 
 Row = Mapping[str, Any]
 RECORDED = ", in the trials recorded"
@@ -23,7 +24,8 @@ class Buzz(NamedTuple):
     none cycles. ``resting``: cells in which every trial comes to rest. ``scope``: from which starts. ``rattles``:
     swings of the knob (rad) in cells where the teeth of a gear part and no trial repeats. ``unproven``: how many cells
     have a part of their range of starts without a proven end, and the largest such part. ``jitters``: swings (rad) in
-    cells where the sample clock jitters and some trial has not come to rest.
+    cells where the sample clock jitters and some trial has not come to rest. ``bounds``: on swings (rad) under every
+    clock, of the cells where one is proven.
     """
 
     cells: int
@@ -35,16 +37,18 @@ class Buzz(NamedTuple):
     rattles: tuple[float, ...] = ()
     unproven: tuple[int, float] = (0, 0.0)
     jitters: tuple[float, ...] = ()
+    bounds: tuple[float, ...] = ()
 
     def text(self, axes: Collection[str]) -> str:
         """The answer in a sentence or four; ``axes``: the names that vary."""
         cells, share = self.unproven
-        said = self._cycles(axes) + rattle_text(self.rattles, f" in {_of_cells(len(self.rattles), self.cells)}")
-        said += jitter_text(self.jitters, f" in {_of_cells(len(self.jitters), self.cells)}")
+        said = self._cycles(axes) + rattle_text(self.rattles, f" in {of_cells(len(self.rattles), self.cells)}")
+        said += jitter_text(self.jitters, f" in {of_cells(len(self.jitters), self.cells)}")
+        said += every_clock_text(self.bounds, self.cells)
         if not cells:
             return said
         most = "" if cells == 1 else "up to "
-        where = "" if self.cells == 1 else f"In {_of_cells(cells, self.cells)} "
+        where = "" if self.cells == 1 else f"In {of_cells(cells, self.cells)} "
         return f"{said} {where}{most}{percent(share)} of the range has no proven end."
 
     def _cycles(self, axes: Collection[str]) -> str:
@@ -52,11 +56,11 @@ class Buzz(NamedTuple):
             return "No trial could be measured."
         if self.most is None or self.least is None:
             if self.scope == RECORDED:
-                return f"No sustained buzz in {_of_cells(0, self.cells)}{RECORDED}."
+                return f"No sustained buzz in {of_cells(0, self.cells)}{RECORDED}."
             if self.resting == self.cells:
-                return f"It comes to rest in {_of_cells(self.cells, self.cells)}{self.scope}."
-            return f"No limit cycle in {_of_cells(0, self.cells)}{self.scope}."
-        where = f"It buzzes in {_of_cells(self.buzzing, self.cells)}{self.scope}"
+                return f"It comes to rest in {of_cells(self.cells, self.cells)}{self.scope}."
+            return f"No limit cycle in {of_cells(0, self.cells)}{self.scope}."
+        where = f"It buzzes in {of_cells(self.buzzing, self.cells)}{self.scope}"
         if self.buzzing == 1:
             return f"{where}: {buzz_size(self.most)}{_at(self.most, axes)}."
         return (
@@ -78,6 +82,7 @@ def buzz_of(cells: Sequence[Row]) -> Buzz:
         tuple(row["rattle_max_rad"] for row in cells if row.get("rattle_max_rad")),
         unproven_of(cells),
         tuple(row["jitter_max_rad"] for row in cells if row.get("jitter_max_rad")),
+        tuple(row["clock_bound_rad"] for row in cells if row.get("clock_bound_rad") is not None),
     )
 
 
@@ -104,35 +109,9 @@ def percent(share: float) -> str:
     return "almost 100 %" if said == "100" and share < 1.0 else f"{said} %"
 
 
-def rattle_text(swings: Sequence[float], where: str = "") -> str:
-    """A sentence, after a space, on motion in no order, by teeth that part or by cogging; empty where there is none."""
-    if not swings:
-        return ""
-    swing = f"the knob swings by {_range([1e3 * one for one in swings], 'mrad')} (one trial each, not proven)"
-    return f" It moves on{where} and no trial repeats: {swing}."
-
-
-def jitter_text(swings: Sequence[float], where: str = "") -> str:
-    """A sentence, after a space, on trials that a jittering clock keeps from repeating; empty where there are none."""
-    if not swings:
-        return ""
-    swing = f"the knob swings by {_range([1e3 * one for one in swings], 'mrad')} on average"
-    return (
-        f" It buzzes{where} without repeating, because the sample clock jitters: {swing} (one trial each, not proven)."
-    )
-
-
 def grid_verdict(cells: Sequence[Row], axes: Collection[str]) -> str:
     """The answer of many cells in a sentence or three; ``axes``: the names that vary."""
     return buzz_of(cells).text(axes)
-
-
-def _of_cells(some: int, count: int) -> str:
-    """So many of the cells, in words."""
-    if count == 1:
-        return "this cell"
-    how_many = "any of " if not some else "all " if some == count else f"{some:,} of "
-    return f"{how_many}{count:,} cells"
 
 
 def scope_of(columns: Collection[str], *, complete: bool) -> str:
@@ -152,9 +131,9 @@ def expected(name: str, rows: Sequence[Row]) -> str:
     cycles = [row for row in inside if row["p2p_rad"]]
     if not cycles:
         return f"{name}: no limit cycle in the cells where its assumptions hold ({of})."
-    size = _range([1e3 * row["p2p_rad"] for row in cycles], "mrad peak to peak")
+    size = range_text([1e3 * row["p2p_rad"] for row in cycles], "mrad peak to peak")
     pitches = [row["frequency_hz"] for row in cycles if row["frequency_hz"] is not None]
-    pitch = f" at {_range(pitches, 'Hz')}" if pitches else ""
+    pitch = f" at {range_text(pitches, 'Hz')}" if pitches else ""
     none = f"; no limit cycle in {len(inside) - len(cycles)} of these" if len(cycles) < len(inside) else ""
     return f"{name}: {size}{pitch}, where its assumptions hold ({of}{none})."
 
@@ -276,12 +255,12 @@ def people_buzz(cells: Sequence[Row]) -> str:
     shares = [100.0 * row["buzzing_fraction"] for row in cells]
     where = "" if len(cells) == 1 else f", depending on the cell ({len(cells)} cells)"
     buzz = [row for row in cells if row["buzzing_fraction"]]
-    text = f"It buzzes for {_range(shares, '%')} of {cells[0]['people']} people{where}, from the starts tried."
+    text = f"It buzzes for {range_text(shares, '%')} of {cells[0]['people']} people{where}, from the starts tried."
     if not buzz:
         return text
-    sizes = _range([1e3 * row["p2p_max_rad_median"] for row in buzz], "mrad")
-    large = _range([1e3 * row["p2p_max_rad_p95"] for row in buzz], "mrad")
-    pitch = _range([row["frequency_at_max_hz_median"] for row in buzz], "Hz")
+    sizes = range_text([1e3 * row["p2p_max_rad_median"] for row in buzz], "mrad")
+    large = range_text([1e3 * row["p2p_max_rad_p95"] for row in buzz], "mrad")
+    pitch = range_text([row["frequency_at_max_hz_median"] for row in buzz], "Hz")
     return f"{text} The median of all people is {sizes}; one in twenty has more than {large}; median pitch {pitch}."
 
 
@@ -296,7 +275,7 @@ def compared(scenes: Sequence[Row]) -> str:
     ratios = [row["ratio"] for row in good if row["ratio"] is not None]
     text = f"The exact engine is accurate in {len(good)} of {len(scenes)} scenes."
     if ratios:
-        text += f" The fastest accurate rival takes {_range(ratios, 'times')} as long"
+        text += f" The fastest accurate rival takes {range_text(ratios, 'times')} as long"
         text += f" (median {short(median(ratios), 3)})" if len(ratios) > 1 else ""
         without = len(good) - len(ratios)
         text += f"; in {without} of these scenes no rival is accurate." if without else "."
@@ -311,8 +290,3 @@ def buzz_size(row: Row) -> str:
 def _at(row: Row, axes: Collection[str]) -> str:
     place = ", ".join(f"{axis} = {short(row[axis], 6)}" for axis in axes)
     return f" ({place})" if place else ""
-
-
-def _range(values: Sequence[float], unit: str) -> str:
-    low, high = short(min(values)), short(max(values))
-    return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"

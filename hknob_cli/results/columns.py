@@ -94,13 +94,21 @@ JITTER_MAX = (
     Column(
         "jitter_max_rad", _REAL, "rad", "where the sample clock jitters: largest jitter_p2p_rad of trials that move"
     ),
+    Column(
+        "clock_bound_rad",
+        _REAL,
+        "rad",
+        "there: proven bound on largest less smallest angle of a motion in the end, from these starts and whatever the "
+        "intervals are; 0: all rest; null: no bound is found, or the scene has more than this is built for",
+    ),
 )
 JITTER = (
     Column(
         "jitter_p2p_rad",
         _REAL,
         "rad",
-        "where the sample clock jitters: mean local maximum less mean local minimum over 4096 samples of one trial",
+        "where the sample clock jitters: mean local maximum less mean local minimum over 4096 samples of one trial, "
+        "or 1024 where an interval has many parts",
     ),
     Column("jitter_range_rad", _REAL, "rad", "there: largest less smallest angle"),
     Column("jitter_frequency_hz", _REAL, "Hz", "there: local maxima over the time of these samples"),

@@ -144,4 +144,5 @@ def sample_general(
 def _clock(clock: SampleClock) -> Array:
     """A clock as `engine.general.jitter` has it, at its beginning."""
     longest = 1.0 + clock.jitter
-    return np.array([1.0, (1.0 - clock.jitter) / longest, 2.0 * clock.jitter / longest, float(clock.seed), 0.0])
+    shortest, spread = (1.0 - clock.jitter) / longest, 2.0 * clock.jitter / longest
+    return np.array([1.0, shortest, spread, float(clock.seed), 0.0, 1.0 / longest])

@@ -176,7 +176,7 @@ _TABLE = {
     "hysteresis":      "--P-P ------ -EE~ ~----",
     "backlash":        "--P-P ------ -EE~ ~----",
     "bare":            "--PPE ------ -EE~ ---E-",
-    "jitter":          "--E-- ------ -EE- -----",
+    "jitter":          "--E-E ------ -EE- -----",
     "unsampled":       "---P- ------ -E-- ---E-",
     "controller":      "----P ----P- -EE~ ----~",
     "speed_sensor":    "----P ------ -EE~ ----~",

@@ -38,7 +38,6 @@ WHY = {
     ("unsampled", "laws"): "it acts at samples",
     **{("jitter", column): "its samples are a period apart" for column in _A_PERIOD_APART},
     **{("jitter", column): "the next sample comes at another time in each motion" for column in _SETS},
-    ("jitter", "laws"): "an interval's looks, and changes of its torque, come after known times",
     ("jitter", "unsampled"): "there is no clock",
     ("jitter", "basins"): "where a start ends depends on the intervals that are drawn",
     ("jitter", "perceive"): "no motion repeats",
@@ -99,15 +98,13 @@ WHY = {
     **{("unheld", column): "no energy bounds how far motions part" for column in _OF_ONE_START_OR_RANGES},
 }  # fmt: skip
 _BESIDE_JITTER = {
-    "bare": "what brings the knob to rest in the wall is shown of intervals that are alike",
-    "hysteresis": "turning points of the count are followed in intervals that are alike",
-    "backlash": "turning points of the count are followed in intervals that are alike",
-    "play": "teeth are followed in intervals that are alike",
+    "bare": "what brings the knob to rest beside it is known only of intervals that are alike",
 }
 _BESIDE_COGGING = {
     "bare": "what is shown of a torque that follows the motion is of one linear motion, without corners",
     "play": "teeth are followed from flank to flank, without corners of another torque",
     "squeeze": "the grip's balance leaves it out",
+    "jitter": "what is known of every clock is of one linear motion, without corners",
     "hysteresis": "some motions are followed from turning point to turning point in steps too small to end",
     "backlash": "some motions are followed from turning point to turning point in steps too small to end",
 }
@@ -115,7 +112,7 @@ _LOOPS = ("general", "laws")
 # Pairs of parts that are refused by loops that take each of the two.
 BESIDE = {
     **{("bare", "play", at): "what is proven of teeth on one flank rests on counts" for at in _LOOPS},
-    **{("jitter", part, "general"): why for part, why in _BESIDE_JITTER.items()},
+    **{("jitter", part, at): why for part, why in _BESIDE_JITTER.items() for at in _LOOPS},
     **{("cogging", part, at): why for part, why in _BESIDE_COGGING.items() for at in _LOOPS},
 }
 # Refusals whose fault stands at what is asked for, not at the part of the scene.

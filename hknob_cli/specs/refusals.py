@@ -8,7 +8,6 @@ from hknob_cli.specs.capabilities import (
     APART,
     AT,
     COLUMNS,
-    EXCEPTIONS,
     PARTS,
     REFUSED,
     SAID_OF_STARTS,
@@ -17,6 +16,7 @@ from hknob_cli.specs.capabilities import (
     parts_of,
     reason,
 )
+from hknob_cli.specs.capability_reasons import BESIDE
 from hknob_cli.specs.controller import KINDS, Controller
 from hknob_cli.specs.gear_faults import gear_contradictions
 from hknob_cli.specs.hand import HandSpec, hand_contradictions
@@ -157,12 +157,8 @@ def _of_jitter(scene: SceneSpec, axes: Axes) -> Faults:
     found: Faults = []
     if any(delay % 1.0 for delay in delays):
         found.append((places[0], "must be 0 beside a delay by a part of a sample: intervals are not of one length"))
-    beside = {"bare": scene.encoder == "none"}
-    beside |= {part: bool(given(scene, axes, PARTS[part].path)) for part in ("hysteresis", "backlash", "play")}
-    for part, there in beside.items():
-        if there:
-            why = EXCEPTIONS["jitter", part, "general"][1]
-            found.append((places[0], f"must be 0 beside {PARTS[part].title}: {why}"))
+    if scene.encoder == "none":
+        found.append((places[0], f"must be 0 beside {PARTS['bare'].title}: {BESIDE['jitter', 'bare', 'general']}"))
     return found
 
 
@@ -171,8 +167,9 @@ def _of_cogging(scene: SceneSpec, axes: Axes) -> Faults:
     if not (places := given(scene, axes, PARTS["cogging"].path)):
         return []
     beside = {"bare": scene.encoder == "none", "squeeze": scene.squeeze is not None}
-    beside |= {part: bool(given(scene, axes, PARTS[part].path)) for part in ("play", "hysteresis", "backlash")}
-    reasons = {part: EXCEPTIONS["cogging", part, "general"][1] for part in beside}
+    others = ("play", "hysteresis", "backlash", "jitter")
+    beside |= {part: bool(given(scene, axes, PARTS[part].path)) for part in others}
+    reasons = {part: BESIDE["cogging", part, "general"] for part in beside}
     return [(places[0], f"must be 0 beside {PARTS[part].title}: {reasons[part]}") for part in beside if beside[part]]
 
 

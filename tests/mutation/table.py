@@ -91,6 +91,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
         f"{GENERAL}test_inner_region.py",
     ),
     "general/hysteresis.py": (f"{PROOF}test_hysteresis_margins.py",),
+    "general/clock_cells.py": (f"{GENERAL}test_clock_cells.py",),
     "general/laws/period.py": (f"{PROOF}test_law_period_margins.py",),
     "general/laws/cascade.py": LAWS,
     "general/laws/rest.py": tuple(f"{PROOF}test_law_{name}_margins.py" for name in ("rest", "settling", "over_angle")),

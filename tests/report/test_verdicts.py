@@ -159,6 +159,24 @@ def test_a_clock_that_jitters_is_said_beside_the_cycles() -> None:
     assert "jitters" not in grid_verdict([calm, calm], [])
 
 
+def test_what_is_proven_for_every_clock_is_said() -> None:
+    bound = {"clock_bound_rad": 7e-3, "jitter_max_rad": 3e-3, "at_rest_fraction": 0.0}
+    still = {"clock_bound_rad": 0.0, "jitter_max_rad": None}
+    unknown = {"clock_bound_rad": None, "jitter_max_rad": 3e-3, "at_rest_fraction": 0.0}
+    said = grid_verdict([cell(0.0) | one for one in (bound, still, unknown)], [])
+    assert said.endswith(
+        " Whatever the intervals are, it comes to rest in 1 of 3 cells and in the end it swings by at most 7 mrad in "
+        "1 of 3 cells, largest less smallest angle (proven)."
+    )
+    assert "Whatever" not in grid_verdict([cell(0.0) | unknown] * 2, [])
+    end = {"outcome": "undecided", "basin_fraction": 1.0, "certified": False, "reason": "no two are alike"}
+    (one,) = one_cell_text([end], bound=0.0)
+    assert one.endswith(" Whatever the intervals are, it comes to rest (proven).")
+    (one,) = one_cell_text([end], bound=2e-3)
+    assert one.endswith(" in the end it swings by at most 2 mrad, largest less smallest angle (proven).")
+    assert "Whatever" not in one_cell_text([end])[0]
+
+
 def test_one_cell_whose_clock_jitters_says_so() -> None:
     end = {"outcome": "undecided", "basin_fraction": 1.0, "certified": False, "reason": "x"}
     (said,) = one_cell_text([{**end, "jitter_p2p_rad": 4e-3}])

@@ -311,7 +311,6 @@ PAIRS = [
     ("backlash", "play", "general"),
     ("friction", "cogging", "general"),
     ("finger", "cogging", "general"),
-    ("jitter", "cogging", "general"),
     ("mesh", "cogging", "general"),
     ("gear", "cogging", "general"),
     ("controller", "cogging", "laws"),

@@ -40,12 +40,8 @@ def planned(*changes: dict[str, Any]) -> SweepPlan:
         ({"scene": {"clock": {"seed": 0.5}}}, "scene.clock.seed: must be a whole number"),
         ({"scene": {"clock": {"seed": -1}}}, "scene.clock.seed: must be >= 0"),
         (CHANGES["bare"], "scene.clock.jitter: must be 0 beside a continuous sensor: what brings the knob to rest"),
-        (CHANGES["hysteresis"], "scene.clock.jitter: must be 0 beside hysteresis of the encoder: turning points"),
-        (CHANGES["backlash"], "scene.clock.jitter: must be 0 beside slack between knob and encoder: turning points"),
-        (CHANGES["play"], "scene.clock.jitter: must be 0 beside backlash of a gear: teeth are followed in intervals"),
         (CHANGES["delay"], "scene.clock.jitter: must be 0 beside a delay by a part of a sample: intervals are not"),
         (CHANGES["unsampled"], "scene.clock.jitter: must be absent where sampling is continuous: there is no clock"),
-        (CHANGES["controller"], "scene.clock.jitter: must be absent where a controller is given: an interval's looks"),
         (
             {"perceive": {"knob_radius": 0.0089}},
             "perceive: must be absent where the sample clock jitters: no motion repeats",
@@ -67,7 +63,7 @@ def test_a_grid_of_it_has_its_place() -> None:
     axis = {"grid": {"clock.jitter": [0.0, 0.1]}}
     assert planned(axis).axes["clock.jitter"] == [0.0, 0.1]
     with pytest.raises(SpecError) as error:
-        planned(axis, {"scene": {"clock": {"jitter": 0.0}}}, CHANGES["hysteresis"])
+        planned(axis, {"scene": {"clock": {"jitter": 0.0}}}, CHANGES["bare"])
     (fault,) = error.value.faults
     assert fault.key == 'grid["clock.jitter"]'
 
@@ -84,8 +80,21 @@ def test_files_have_swing_and_pitch_of_what_does_not_rest(starts: str) -> None:
     row = next(row for row in tables.orbits.to_pylist() if row["clock.jitter"] == 0.2)
     assert row["reason"].startswith("no two sample intervals are alike")
     assert moved["jitter_max_rad"] == row["jitter_p2p_rad"] > 1e-4
+    assert still["clock_bound_rad"] is None
+    assert moved["clock_bound_rad"] >= row["jitter_range_rad"]
     assert row["jitter_range_rad"] >= row["jitter_p2p_rad"]
     assert 20.0 < row["jitter_frequency_hz"] < 400.0
+
+
+def test_rest_of_every_clock_is_in_the_files() -> None:
+    """A hand that rests under all intervals; one with friction rests too, but that is not built for every clock."""
+    hand = {"inertia": 3e-7, "damping": 3.45e-3, "stiffness": 0.3}
+    for change, bound in (({}, 0.0), ({"knob": {"coulomb_torque": 1e-5}}, None)):
+        plan = planned({"scene": {"hand": hand, "bias": {"torque": 7e-3}, **change}})._replace(max_samples=4096)
+        tables = SweepStage(plan, jobs=1).run()
+        (cell,) = tables.cells.to_pylist()
+        assert cell["at_rest_fraction"] == 1.0
+        assert cell["clock_bound_rad"] == bound
 
 
 def test_a_seed_draws_its_intervals() -> None:

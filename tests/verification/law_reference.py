@@ -54,6 +54,14 @@ class Firmware:
         return list(zip(found, [*lengths, control.period - sum(lengths)], strict=True))
 
 
+def stretched(wave: list[Pieces], late: int, length: Any) -> Pieces:
+    """What acts in an interval of another length, in periods: the torques of ``late`` samples ago, all parts longer."""
+    at = len(wave) - 1 - late
+    if at < 0:
+        return [(mp.zero, length * sum(duration for _, duration in wave[0]))]
+    return [(torque, length * duration) for torque, duration in wave[at]]
+
+
 def window(wave: list[Pieces], begin: Any, end: Any, period: Any) -> Pieces:
     """What a waveform, one list an interval, has between two times; before its begin nothing."""
     found: Pieces = []
@@ -100,10 +108,12 @@ class Encoder:
         return self.relays.read()
 
 
-def move(motion: Friction, pieces: Pieces, control: Control, detections: int, encoder: Encoder) -> list[Any]:
-    """Move through an interval; what the encoder shows at each look."""
+def move(
+    motion: Friction, pieces: Pieces, control: Control, detections: int, encoder: Encoder, length: Any = 1
+) -> list[Any]:
+    """Move through an interval, of ``length`` periods; what the encoder shows at each look."""
     looks, time = [], mp.zero
-    due = [control.period * k / detections for k in range(1, detections)]
+    due = [length * control.period * k / detections for k in range(1, detections)]
     for torque, duration in pieces:
         end = time + duration
         while due and due[0] <= end:
@@ -144,12 +154,14 @@ def simulate_law(
     *,
     angle: float,
     velocity: float,
-    phase: float,
+    phase: Any,
     pulse: dict[str, float] | None = None,
+    intervals: Iterator[Any] | None = None,
 ) -> Iterator[tuple[Any, Any, Any]]:
     """Angle and velocity at every sample, and the least distance so far to where rounding could change a command.
 
-    ``pulse``: its torque on the knob, away from the wall, and its duration from the start, as a recording has it.
+    ``intervals``: lengths of the sample intervals, in periods, beside whole delays. ``pulse``: its torque on the knob,
+    away from the wall, and its duration from the start, as a recording has it.
     """
     bodies, control = build(scene, sample_rate_hz=rate_hz, counts_per_rev=counts)
     at = mp.mpf(angle), mp.mpf(velocity)
@@ -177,6 +189,11 @@ def simulate_law(
         if control.step:
             clear = min(clear, firmware.step / float((control.stiffness or 1) * (control.quantum or UNIT)))
         yield theta, motion.z[SPEED], clear
+        if intervals is not None:
+            length = next(intervals)
+            pieces = stretched(wave, int(control.delay), length)
+            looks = move(motion, pieces, control, detections, encoder, length)
+            continue
         begin = (i - control.delay) * control.period
         looks = move(motion, window(wave, begin, begin + control.period, control.period), control, detections, encoder)
         i += 1

@@ -53,6 +53,7 @@ from tests.verification.general_scenes import GRASP, KNOB, TWO_PARTS
 from tests.verification.law_reference import simulate_law
 from tests.verification.law_scenes import Drawn
 from tests.verification.test_general_orbits import Found, positions
+from tests.verification.test_jitter import intervals
 from tests.verification.test_laws_in_the_general_loop import check_orbit
 from tests.verification.test_over_angle import random_part
 
@@ -79,7 +80,7 @@ NOT_DRAWN = {
     "gear": "a rigid one is a heavier knob with more counts; one that yields is drawn",
     **dict.fromkeys(("grip", "people", "squeeze"), "they become the numbers of a hand"),
     "unsampled": "the model has a sample clock",
-    "jitter": "no motion repeats; its trials are in test_jitter",
+    "jitter": "no motion repeats; `jittered` adds it to a scene that is drawn",
     "undamped": "no cycle of it is proven",
     **dict.fromkeys(("hand", "hand_damping", "hand_stiffness", "bias"), "every scene has them unless it draws others"),
     **dict.fromkeys(
@@ -253,6 +254,17 @@ def draw(number: int) -> Case:
             return one
 
 
+def jittered(number: int) -> Case | None:
+    """The scene of a number with a clock that jitters, and a delay of whole samples; None where that is refused."""
+    one, chance = draw(number), Random(f"clock {number}")
+    clock = {"jitter": chance.choice([0.02, 0.1, 0.33, 0.9]), "seed": chance.randrange(2**31 - 1)}
+    scene = {**one.scene, "clock": clock}
+    if (scene.get("actuator") or {}).get("delay_samples"):
+        scene["actuator"] = {**scene["actuator"], "delay_samples": float(chance.choice([1, 2]))}
+    found = one._replace(parts=(*one.parts, "jitter"), scene=scene)
+    return found if is_taken(found) else None
+
+
 def _bare(scene: Scene) -> bool:
     return scene.get("encoder") == "none"
 
@@ -310,31 +322,38 @@ def trial(knob: GeneralKnob, made: Any, start: list[float], nudge: float = 0.0) 
     """Positions at the samples of a trial by the package, interpreted; ``nudge``: relative, of the state at each."""
     from hknob_cli.engine.general.advance import advance_span
     from hknob_cli.engine.general.controller import read
-    from hknob_cli.engine.general.interval import advance
-    from hknob_cli.engine.general.laws.step import advance_with_law, begin_past
+    from hknob_cli.engine.general.interval import advance, advance_jittering
+    from hknob_cli.engine.general.jitter import begin_clock
+    from hknob_cli.engine.general.laws.step import advance_jittering_with_law, advance_with_law, begin_past
     from hknob_cli.engine.general.search import as_list
 
     wall, pad, z = as_list(knob.wall), [0.0] * (2 * knob.body.order), list(start)
+    jitters = wall.clock is not None
+    plainly, with_law = (advance_jittering, advance_jittering_with_law) if jitters else (advance, advance_with_law)
     advance_span(z, 0.0, PHASE, knob.body, pad)
+    begin_clock(wall.clock, 0.0)
     if made is None:
         before, head, ring = read(z[0], wall), 0, [0.0] * knob.delay_line
         while True:
             yield z[0]
-            before, head = advance(z, before, ring, head, knob.body, wall, pad)
+            before, head = plainly(z, before, ring, head, knob.body, wall, pad)
             z[:2] = [value * (1.0 + nudge) for value in z[:2]]
     past = [0.0] * len(made.law.beside)
     begin_past(past, read(z[0], wall), made.law)
     while True:
         yield z[0]
-        advance_with_law(z, past, knob.body, wall, made.law, pad)
+        with_law(z, past, knob.body, wall, made.law, pad)
         z[:2] = [value * (1.0 + nudge) for value in z[:2]]
 
 
 def model(one: Case) -> Iterator[tuple[Any, float]]:
     """Angles at the samples of the model's trial [rad], and how clear of every edge it has stayed [counts]."""
+    clock, phase, lengths = one.scene.get("clock"), mp.mpf(PHASE), None
+    if clock:
+        phase, lengths = phase * (1 + mp.mpf(clock["jitter"])), intervals(clock["jitter"], clock["seed"], 0)
     if "controller" in one.scene:
         for theta, _, clear in simulate_law(
-            one.scene, one.rate_hz, one.counts, angle=ANGLE, velocity=VELOCITY, phase=PHASE
+            one.scene, one.rate_hz, one.counts, angle=ANGLE, velocity=VELOCITY, phase=phase, intervals=lengths
         ):
             yield theta, clear
         return
@@ -344,8 +363,9 @@ def model(one: Case) -> Iterator[tuple[Any, float]]:
         counts_per_rev=one.counts,
         angle_rad=ANGLE,
         velocity_rad_s=VELOCITY,
-        phase=PHASE,
+        phase=phase,
         samples=samples_of(one),
+        intervals=list(islice(lengths, samples_of(one))) if lengths else None,
     )
     quantum = float(run.control.quantum or 1)
     command = float(run.control.stiffness or 1) * quantum
@@ -491,6 +511,7 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=500, help="scenes")
     parser.add_argument("--first", type=int, default=0, help="number of the first scene")
     parser.add_argument("--only", type=int, nargs="+", help="numbers of scenes")
+    parser.add_argument("--jitter", action="store_true", help="with a sample clock that jitters, where it is taken")
     parser.add_argument("--every", type=int, default=50, help="scenes after which a line is printed")
     args = parser.parse_args()
     numbers = args.only or range(args.first, args.first + args.count)
@@ -499,7 +520,10 @@ def main() -> int:
     totals = np.zeros(4)
     bad, largest, begin = 0, 0.0, time.perf_counter()
     for done, number in enumerate(numbers, 1):
-        one = draw(number)
+        one = jittered(number) if args.jitter else draw(number)
+        if one is None:
+            outcomes["refused beside jitter"] += 1
+            continue
         parts.update(one.parts)
         try:
             found = compare(one)

@@ -30,6 +30,7 @@ from .general_scenes import LIGHT, RUBBING, TWO_PARTS, scene
 SAMPLES = 150
 CLEAR = 1e-6  # counts from an edge within which rounding may decide
 WITHIN = 1e-9  # of a position, by the largest and a count
+WITHIN_TEETH = 1e-6  # neighbours part tenfold in 10 to 29 ms where teeth part, and so do roundings
 CASES: dict[str, dict[str, Any]] = {
     "alone": scene(),
     "friction": scene(knob=LIGHT),
@@ -46,6 +47,22 @@ CASES: dict[str, dict[str, Any]] = {
     "winding": scene(
         motor={"torque_constant": 0.0234, "resistance": 2.32, "inductance": 2.38e-4, "winding": "shorted"}
     ),
+}
+GEAR = {"ratio": 7.4, "motor_inertia": 1e-8, "stiffness": 10.0, "mesh_damping": 2e-4, "backlash": 5e-3}
+LIGHT_PUSH = {"torque": 3e-4}
+THROUGH_PLAY = 60  # samples; the model steps through each of them
+PASSED = {
+    "hysteresis": scene(encoder={"hysteresis_counts": 0.7}),
+    "slack": scene(encoder={"backlash": 2e-3}),
+    "hysteresis, friction": scene(encoder={"hysteresis_counts": 1.3}, knob=LIGHT),
+    "hysteresis, finger, lag": scene(
+        encoder={"hysteresis_counts": 0.4}, hand=TWO_PARTS, actuator={"time_constant": 3e-4}
+    ),
+    "slack, delay": scene(encoder={"backlash": 1e-3}, actuator={"delay_samples": 1.0}),
+    "backlash": scene(bias=LIGHT_PUSH, gear=GEAR),
+    "backlash, friction of the motor": scene(bias=LIGHT_PUSH, gear={**GEAR, "motor_coulomb_torque": 6e-6}),
+    "backlash, hysteresis": scene(bias=LIGHT_PUSH, gear=GEAR, encoder={"hysteresis_counts": 1.2}),
+    "backlash, delay": scene(bias=LIGHT_PUSH, gear={**GEAR, "backlash": 2e-2}, actuator={"delay_samples": 1.0}),
 }
 JITTERS = {"small": 0.02, "a third": 0.33, "most": 0.9}
 
@@ -126,8 +143,31 @@ def test_every_sample(name: str, jitter: str) -> None:
         assert np.array_equal(one, other)
 
 
-def test_a_recording_has_the_samples_of_the_trial() -> None:
-    knob = knob_of(with_clock(CASES["delay"], 0.3, 5))
+@pytest.mark.parametrize("jitter", ["a third", "most"])
+@pytest.mark.parametrize("name", PASSED)
+def test_every_sample_past_turning_points_and_teeth(name: str, jitter: str) -> None:
+    """What happens between samples, in intervals of any length."""
+    share, seed = JITTERS[jitter], Random(f"{name} {jitter}").randrange(1000)
+    knob = knob_of(with_clock(PASSED[name], share, seed))
+    samples = THROUGH_PLAY if "backlash" in name else SAMPLES
+    numbers: dict[str, Any] = {"angle_rad": 0.02, "velocity_rad_s": -0.5, "phase": 0.37, "samples": samples}
+    got = follow_knob(knob, **numbers)
+    model = modelled(PASSED[name], share, seed, samples)
+    size = 1.0 + float(np.abs(got.angle_rad).max()) / knob.quantum_rad
+    assert model.edge / knob.quantum_rad > CLEAR, "rounding may decide: choose another seed"
+    assert len(model.levels) > 2
+    if "backlash" in name:
+        assert model.friction.parted > 0
+    within = WITHIN_TEETH if "backlash" in name else WITHIN
+    for i, sample in enumerate(model.samples):
+        assert abs(float((sample.angle - mp.mpf(float(got.angle_rad[i]))) / knob.quantum_rad)) <= within * size
+    for one, other in zip(got, follow_knob(knob, **numbers, compiled=True), strict=True):
+        assert np.array_equal(one, other)
+
+
+@pytest.mark.parametrize("parts", [CASES["delay"], PASSED["slack, delay"]])
+def test_a_recording_has_the_samples_of_the_trial(parts: dict[str, Any]) -> None:
+    knob = knob_of(with_clock(parts, 0.3, 5))
     rows = list(record_trial(knob, Record(0.1, 1e-3, 1), angle=0.02, velocity=-0.5, phase=0.37))
     sampled = [row for row in rows if row.event == "sample"]
     trial = follow_knob(knob, angle_rad=0.02, velocity_rad_s=-0.5, phase=0.37, samples=len(sampled) - 1)
@@ -142,9 +182,9 @@ def test_a_recording_has_the_samples_of_the_trial() -> None:
     assert other[1:5] != [row.time for row in sampled][1:5]
 
 
-def search(parts: dict[str, Any], phases: int = 8) -> Any:
+def search(parts: dict[str, Any], phases: int = 8, counts: int = 1024) -> Any:
     """Ends of trials, and the knob."""
-    knob = knob_of(parts)
+    knob = knob_of(parts, counts=counts)
     found = GeneralEngine(compiled("general")).search(
         knob.body,
         knob.wall,
@@ -191,3 +231,15 @@ def test_no_jitter_is_no_clock() -> None:
     """To the last bit: the trials of a scene without one."""
     assert knob_of(with_clock(scene(), 0.0)).wall.clock is None
     assert knob_of(with_clock(scene(), 0.0)) == knob_of(scene())
+
+
+def test_a_knob_behind_a_gear_has_its_own_swing() -> None:
+    """Beside that of the motor, which the encoder is on, and whether teeth part."""
+    knob, ends = search(with_clock(PASSED["backlash"], 0.2, 3), phases=2, counts=360)
+    (one,) = ends
+    assert one.reason is Reason.JITTERS
+    found = GeneralMeasurer(knob, GeneralEngine(compiled("general"))).measure(one)
+    assert 0.0 < found.jitter_range_rad < 0.1
+    assert 0.0 < found.knob_p2p_rad < 0.1
+    assert found.knob_p2p_rad != found.jitter_range_rad
+    assert found.mesh_least_nm <= 0.0 < found.mesh_most_nm

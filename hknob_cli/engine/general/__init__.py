@@ -7,6 +7,7 @@
 - `period_map` the proof, `powers` of its derivative
 - `inner_region` rest that is never reached
 - `parting` of nearby motions, where they do not repeat
+- `every_clock` a bound for all clocks that jitter so much, by `clock_cells`
 - `laws/` the same loop under a controller
 
 Beyond the plain loop (`engine/general/`). Between events the motion is linear; the events are zeros of the velocity

@@ -4,8 +4,8 @@ from hknob_cli.engine.general.advance import advance_hold, advance_span, rub_col
 from hknob_cli.engine.general.body import FIRST, SECOND
 from hknob_cli.engine.general.cogging import has_cogs
 from hknob_cli.engine.general.columns import feed
-from hknob_cli.engine.general.controller import command, read, read_after
-from hknob_cli.engine.general.hysteresis import hold_and_count
+from hknob_cli.engine.general.controller import command, read_after
+from hknob_cli.engine.general.hysteresis import hold_and_count, turn_and_count
 from hknob_cli.engine.general.jitter import jitters, next_span
 from hknob_cli.engine.general.slide_two import step_with_friction
 from hknob_cli.engine.general.slopes import cog_many
@@ -66,15 +66,19 @@ def advance(z, before, ring, head, body, wall, pad):
 
 
 def advance_jittering(z, before, ring, head, body, wall, pad):
-    """As `advance`, over an interval of random length; delays are of whole samples, and counts have no hysteresis."""
-    shown = read(z[0], wall)
+    """As `advance`, over an interval of random length; delays are of whole samples."""
+    shown = read_after(z[0], before, wall)
     u = command(shown, before, wall)
     delay = len(ring)
     if delay > 0:
         ring[head] = u
         head = (head + 1) % delay
         u = ring[head]
-    advance_span(z, u, next_span(wall.clock), body, pad)
+    span = next_span(wall.clock)
+    if wall.hysteresis > 0.0:
+        shown, _ = turn_and_count(z, u, span, shown, body, wall, pad)
+    else:
+        advance_span(z, u, span, body, pad)
     return shown, head
 
 

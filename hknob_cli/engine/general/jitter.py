@@ -1,14 +1,15 @@
 """A sample clock that jitters: how long each interval is, drawn evenly between two lengths, in the longest one.
 
 A clock is a flat array: the state of its random numbers, the shortest interval, by how much the longest is longer, the
-seed, and the number of the first trial. The random numbers are those of Park & Miller (1988, "minimal standard"),
-s -> 16807 s mod 2^31 - 1, whose products a double holds exactly: compiled or not, they are the same.
+seed, the number of the first trial, and the interval that is meant, by which firmware has its numbers. The random
+numbers are those of Park & Miller (1988, "minimal standard"), s -> 16807 s mod 2^31 - 1, whose products a double holds
+exactly: compiled or not, they are the same.
 
 The compiler makes code of its own for scenes without jitter, in which nothing of this is left: a clock that is None is
 known by its type.
 """
 
-STATE, SHORTEST, SPREAD, SEED, TRIAL = range(5)
+STATE, SHORTEST, SPREAD, SEED, TRIAL, MEANT = range(6)
 FACTOR, MODULUS = 16807.0, 2147483647.0
 FIRST = 8  # numbers that are passed over: those of neighbouring trials are alike at first
 
@@ -24,6 +25,11 @@ def next_span(clock):
         return 1.0
     clock[STATE] = (FACTOR * clock[STATE]) % MODULUS
     return clock[SHORTEST] + clock[SPREAD] * (clock[STATE] / MODULUS)
+
+
+def meant_pace(speed, clock):
+    """A speed in counts over the interval that is meant, from counts over the longest; the same without jitter."""
+    return speed if clock is None else clock[MEANT] * speed
 
 
 def begin_clock(clock, trial):

@@ -296,7 +296,7 @@ def attractor_of(
     """
     fate, n, margin, edge, closure, bound, trials, least, most, before = (float(value) for value in row)
     outcome, reason = GENERAL_FATES[int(fate)]
-    if reason is Reason.NO_REPEAT:
+    if reason is Reason.NO_REPEAT or (reason is Reason.EXPANDS and unrepeated is Reason.JITTERS):
         reason = unrepeated
     elif reason is Reason.GREW:
         reason = grew

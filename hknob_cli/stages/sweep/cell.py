@@ -5,10 +5,8 @@ from typing import Any, NamedTuple
 
 from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.attractors import PATIENCE, USUAL, Attractor, Engine, NeedsCompilerError, Patience, Search, whole
-from hknob_cli.engine.budget import sample_limit, settling_samples
 from hknob_cli.engine.loop import Loop
 from hknob_cli.engine.outcome import Outcome, Reason
-from hknob_cli.engine.propagator import slowest_rate
 from hknob_cli.measure.orbit import Measurer, OrbitMeasures
 from hknob_cli.scene.random_starts import random_starts
 from hknob_cli.scene.sampled_knob import sample_knob
@@ -17,12 +15,8 @@ from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Cell, Scene, SweepPlan, scene_at
 from hknob_cli.stages.sweep.every_start import StartsFinder, why_open
 
-DETECTION = 300.0  # samples of a trial beyond its transient, roughly
 LAW_SETS = "friction sets"  # group of sets of starts with friction, or under a controller
-UNKNOWN = 2000.0  # samples of a trial of more than two states, roughly
 GROWTH_S = 1.0  # over which the bounces of an undamped knob are collected, where the spec does not say
-BOXED = 8e6  # samples of the plain loop that take as long as a cell whose starts fill a box, at least, roughly
-BOXED_LAW = 2e5  # samples of the sets under a controller that such a cell takes, roughly
 MAX_EVENTS = 2_000_000  # that a trial without a sample clock may take
 MAX_EVENTS_INTERPRETED = 20_000
 
@@ -34,6 +28,7 @@ class CellResult(NamedTuple):
     ``undecided``, ``why``, ``share_error``: as in `engine.attractors.Search`. ``region``: largest angle (rad) and speed
     (rad/s) of the region that every motion comes into, where starts are anywhere; ``grows``: those beyond which all
     grow without bound.
+    ``clock_bound``: on how far (rad) a motion swings in the end under every clock, where the sample clock jitters.
     ``group``: the engine functions it took, as `engine.jit` names them; ``growth``: of the energy of bounces;
     ``contact``: how a trial without a sample clock settles.
     """
@@ -53,6 +48,7 @@ class CellResult(NamedTuple):
     region: tuple[float, float] | None = None
     grows: tuple[float, float] | None = None
     why: Reason = Reason.NONE
+    clock_bound: float | None = None
     perceived: tuple[Any, ...] = ()  # stages.perceived.Perceived, one an attractor, where asked for
 
 
@@ -87,25 +83,6 @@ def group_of(scene: Scene) -> str:
 def engine_group(plan: SweepPlan, scene: Scene) -> str:
     """Group of engine functions that a cell of a sweep takes: by its scene, and by whether all starts are meant."""
     return COLUMNS[engine_of(scene, STARTS[kind_of_starts(plan.starts)])].group
-
-
-def expected_samples(plan: SweepPlan, cell: Cell) -> tuple[str, float]:
-    """Group of engine functions that a cell takes, and rough number of trial-samples; decides if compiling pays."""
-    scene, phases = scene_at(plan.scene, cell), plan.starts.phases
-    group = engine_group(plan, scene)
-    if group == "unsampled":
-        return group, 0.0
-    if group == "bounces":
-        return group, phases * cell[RATE] * (plan.growth_s or GROWTH_S)
-    if (scene.hand and scene.hand.finger) or (scene.actuator and scene.actuator.time_constant):
-        return group, phases * UNKNOWN
-    loop = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell.get(COUNTS, 1))).loop
-    rate = slowest_rate(loop.alpha, loop.beta)
-    if group == "sets" and plan.starts.many:
-        return group, BOXED
-    if group == LAW_SETS and plan.starts.many and scene.controller:
-        return group, BOXED_LAW
-    return group, phases * (settling_samples(rate, sample_limit(rate, loop.alpha > 0.0)) + DETECTION)
 
 
 class CellFinder:
@@ -168,6 +145,7 @@ class CellFinder:
 
     def _find_general(self, plan: SweepPlan, cell: Cell, group: str) -> CellResult:
         from hknob_cli.engine.general.search import GeneralEngine
+        from hknob_cli.measure.clock_bound import clock_bound_rad
         from hknob_cli.measure.general_orbit import GeneralMeasurer
         from hknob_cli.scene.general_knob import sample_general
 
@@ -181,11 +159,12 @@ class CellFinder:
             search = self._starts.search_general(plan, knob, group) if group != "general" else None
             if search is None:
                 search = _search_trials(plan, self._general, knob, rate=knob.rate, line=knob.delay_line)
+            bound = clock_bound_rad(knob, plan.starts, functions, seconds=plan.seconds_per_cell)
         except NeedsCompilerError:
             raise NeedsCompilerError(group) from None
         measurer = GeneralMeasurer(knob, self._general)
         found = _result(cell, knob.quantum_rad, search, measurer.measure, group)
-        found = found._replace(region=_reach(knob, search.region), grows=_reach(knob, search.grows))
+        found = found._replace(region=_reach(knob, search.region), grows=_reach(knob, search.grows), clock_bound=bound)
         return _perceived(plan, measurer, found)
 
     def _find_with_law(self, plan: SweepPlan, cell: Cell, group: str) -> CellResult:

@@ -10,6 +10,7 @@ from hknob_cli.engine.general.advance import advance_span
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import read, read_after
 from hknob_cli.engine.general.hysteresis import turn_and_count
+from hknob_cli.engine.general.jitter import begin_clock, jitters, next_span
 from hknob_cli.engine.general.laws.law import LOOK, PIECE, SPAN, TORQUE
 from hknob_cli.engine.general.laws.step import begin_past, sense
 
@@ -33,11 +34,13 @@ def follow_law(
     until: float,
     every: float,
     pulse: tuple[Body, float] | None = None,
+    trial: int = 0,
 ) -> Iterator[LawPoint]:
     """A motion from ``start`` (state): every sample, every change of torque, and points ``every`` so many periods.
 
     The first sample comes ``phase`` of a period after the start; ``until``: length, in periods. ``pulse``: the body
-    while a torque pulse acts on it, and when that ends, in periods; the end is a point, too.
+    while a torque pulse acts on it, and when that ends, in periods; the end is a point, too. ``trial``: its number, by
+    which a clock that jitters has its intervals, whose pieces are longer or shorter with them.
     """
     knob, law = made.knob, made.law
     wall = knob.wall
@@ -46,7 +49,9 @@ def follow_law(
     begins = [0.0, *accumulate(piece[SPAN] for piece in numbers)]
     # A piece that has the torque of the one before it begins with a look of the encoder alone.
     events = ["sample", *("command" if k[TORQUE] != j[TORQUE] else "" for j, k in pairwise(numbers))]
-    stops = [(phase + i + begins[k], k) for i in range(ceil(until) + 1) for k in range(law.pieces)]
+    stops = [
+        (at + begins[k] * span, k) for at, span in _intervals(made, phase, until, trial) for k in range(law.pieces)
+    ]
     stops.append((release, RELEASE))
     named = {time for time, piece in stops if piece == RELEASE or events[piece]}
     stops += [(min(i * every, until), DUE) for i in range(int(until / every * (1.0 + 1e-12)) + 1)]
@@ -75,3 +80,17 @@ def follow_law(
         event = events[piece] if piece >= 0 else "pulse ends" if piece == RELEASE else ""
         if event or piece < 0:
             yield LawPoint(at, event, list(z), z[-1] if body.lag > 0.0 else acting)
+
+
+def _intervals(made: LawKnob, phase: float, until: float, trial: int) -> Iterator[tuple[float, float]]:
+    """When each interval begins, and how long it is, in periods, as far as ``until``."""
+    clock = made.knob.wall.clock
+    if not jitters(clock):
+        yield from ((phase + i, 1.0) for i in range(ceil(until) + 1))
+        return
+    begin_clock(clock, float(trial))
+    at = phase
+    while at <= until:
+        span = next_span(clock)
+        yield at, span
+        at += span

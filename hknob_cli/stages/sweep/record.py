@@ -270,7 +270,7 @@ def _with_law(plan: SweepPlan, cell: Cell, trial: int, angle_rad: float) -> Iter
     start, phase = knob.start(angle_rad, plan.starts.velocity), (trial + 0.5) / plan.starts.phases
     every, pulse = plan.record.interval / knob.period_s, _pulse_on(knob, plan.record)
     until = plan.record.duration / knob.period_s
-    for one in follow_law(made, start, phase=phase, until=until, every=every, pulse=pulse):
+    for one in follow_law(made, start, phase=phase, until=until, every=every, pulse=pulse, trial=trial):
         yield _instant(knob, one.time, one.event, one.state, one.torque)
 
 

@@ -13,8 +13,9 @@ from hknob_cli.results.parted import PART_CELLS
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import Cell, SweepPlan
 from hknob_cli.spread.cores import usable_cores
-from hknob_cli.stages.sweep.cell import CellFinder, CellResult, expected_samples
+from hknob_cli.stages.sweep.cell import CellFinder, CellResult
 from hknob_cli.stages.sweep.engines import COMPILE_ABOVE, Engines, work_of
+from hknob_cli.stages.sweep.expected import expected_samples
 from hknob_cli.stages.sweep.tables import SweepTables, cells_table, joined, orbits_table
 
 THREADS_ABOVE = 20_000_000

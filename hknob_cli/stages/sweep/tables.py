@@ -140,6 +140,7 @@ def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
         if has(plan):
             every = [[getattr(one, name) for one in result.measures] for result in results]
             columns, more = (*columns, *some), more | {some[0].name: [float(np.fmax.reduce(one)) for one in every]}
+    more |= {"clock_bound_rad": [one.clock_bound for one in results]} if may_jitter(plan) else {}
     if not plan.starts.sampled and plan.scene.sampled:
         columns = (*columns, *EVERY_START)
         more |= {"complete": [one.complete for one in results], "piece_count": [one.pieces for one in results]}

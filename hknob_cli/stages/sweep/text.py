@@ -10,7 +10,8 @@ import pyarrow as pa
 from hknob_cli.report.population import describe_people, people_text
 from hknob_cli.report.sweep_words import Level, perceived_levels, perceived_text, undecided_in, undecided_text
 from hknob_cli.report.table import MAX_ROWS, fits, matrix, short, table
-from hknob_cli.report.verdicts import grid_verdict, jitter_text, percent, rattle_text, unproven_of
+from hknob_cli.report.unrepeated import every_clock_text, jitter_text, rattle_text
+from hknob_cli.report.verdicts import grid_verdict, percent, unproven_of
 from hknob_cli.report.what_matters import describe_matters, matters_of, matters_text
 from hknob_cli.results.means import differs
 from hknob_cli.specs.plan import PERSON
@@ -37,15 +38,18 @@ def describe_one(orbits: list[Row]) -> list[Row]:
     return [{key: row[key] for key in keys if key in row} for row in orbits]
 
 
-def one_cell_text(orbits: list[Row], *, unproven: float = 0.0, trials: int = 0) -> list[str]:
+def one_cell_text(
+    orbits: list[Row], *, unproven: float = 0.0, trials: int = 0, bound: float | None = None
+) -> list[str]:
     """The sentence, and a table where there are several cycles.
 
     ``unproven``: part of a range of starts without a proven end. ``trials``: how many random starts of that range were
-    tried, 0 where shares are areas.
+    tried, 0 where shares are areas. ``bound``: on the swing under every clock, rad.
     """
     cycles = sorted((row for row in orbits if row["outcome"] == "cycle"), key=lambda row: -row["p2p_rad"])
     rattles = rattle_text([row["rattle_p2p_rad"] for row in orbits if row.get("rattle_p2p_rad")])
     rattles += jitter_text([row["jitter_p2p_rad"] for row in orbits if row.get("jitter_p2p_rad")])
+    rattles += every_clock_text([] if bound is None else [bound])
     tried = f"{trials} random starts" if trials and unproven else "every start tried"
     left = f" {percent(unproven)} of the range has no proven end." if unproven else ""
     if not cycles:
@@ -171,7 +175,8 @@ def table_text(summary: dict[str, Any], axes: list[str]) -> str:
             lines += ["", *matrix(rows, wide, level.column, scale=1.0, title=level.title)]
     elif "ends" in summary:
         trials = random_trials(summary["completeness"]) if "completeness" in summary else 0
-        lines += ["", *one_cell_text(summary["ends"], unproven=unproven_of(rows)[1], trials=trials)]
+        bound = rows[0].get("clock_bound_rad")
+        lines += ["", *one_cell_text(summary["ends"], unproven=unproven_of(rows)[1], trials=trials, bound=bound)]
         if levels := perceived_levels(rows):
             lines += ["", *_list(rows, wide, levels)]
     else:

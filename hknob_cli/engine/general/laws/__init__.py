@@ -31,4 +31,8 @@ A controller that reads the velocity is no such cascade: two motions with the sa
 friction a period is an affine map between edges, and its powers bound how far two motions part. With friction what
 repeats is labelled as not proven. So is all that repeats under a law that reads a continuous sensor, whose memory
 follows the motion, too.
+
+Under a sample clock that jitters a law reckons with the period that is meant, and the pieces of an interval are longer
+or shorter with it. Rest is proven as before: what is remembered goes by samples, and no torque acts longer than the
+longest interval, which is the unit of time. Of a law that is no cascade a standstill is seen, and labelled.
 """

@@ -26,6 +26,7 @@ from hknob_cli.engine.general.follow import (
     WAIT,
     has_period,
 )
+from hknob_cli.engine.general.jitter import jitters
 from hknob_cli.engine.general.laws.cascade import (
     apart,
     faded,
@@ -35,10 +36,10 @@ from hknob_cli.engine.general.laws.cascade import (
     sums_agree,
     torques_apart,
 )
-from hknob_cli.engine.general.laws.law import AT_SWITCH, CYCLE_AT_SWITCH
+from hknob_cli.engine.general.laws.law import AT_SWITCH, CYCLE_AT_SWITCH, REST_NOT_PROVEN
 from hknob_cli.engine.general.laws.period import REPEATS, certify_with_law
 from hknob_cli.engine.general.laws.rest import settles_with_law
-from hknob_cli.engine.general.laws.step import advance_with_law, copy_to
+from hknob_cli.engine.general.laws.step import advance_jittering_with_law, advance_with_law, copy_to
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS
 from hknob_cli.engine.general.standstill import SETTLING
 from hknob_cli.engine.rest import AT_REST, REST_ON_EDGE, RINGS
@@ -102,6 +103,11 @@ def unlike(dz, x, past, other, body, law):
     return gap_apart(body.cogs, dz, body) + pushed_apart(torques_apart(past, other, law), x, body)
 
 
+def came_back(dz, past, other, within, body, law):
+    """Whether a motion is where it was 64 samples before, by its difference ``dz``: it has come to a standstill."""
+    return gap_apart(body.cogs, dz, body) <= within and nearly_same(past, other, law, REPEATS)
+
+
 def follow_with_law(
     z, past, budget, final, limit, body, wall, law, space, check, checkpast, keep, keeppast, rows, table, states, pasts
 ):
@@ -160,7 +166,17 @@ def follow_with_law(
         else:
             run, next_test = 0, FIRST_REST_TEST
             resting_on_edge, settling = False, False
-        if shown < last or ((law.senses or not law.provable) and run % LOOK_AGAIN == LOOK_AGAIN - 1):
+        again = (law.senses or not law.provable) and run % LOOK_AGAIN == LOOK_AGAIN - 1
+        if jitters(wall.clock):
+            if again:
+                for j in range(n):
+                    space.away[j] = z[j] - check[j]
+                if have and came_back(space.away, past, checkpast, CLOSE * (1.0 + abs(x)), body, law):
+                    return REST_NOT_PROVEN, 1, i
+                have = True
+                copy_to(check, z)
+                copy_to(checkpast, past)
+        elif shown < last or again:
             # What is not proven to rest by its readings may still come to a standstill within one count.
             if have:
                 for j in range(n):
@@ -207,7 +223,10 @@ def follow_with_law(
                 copy_to(check, z)
                 copy_to(checkpast, past)
         since += 1
-        advance_with_law(z, past, body, wall, law, space.pad)
+        if jitters(wall.clock):
+            advance_jittering_with_law(z, past, body, wall, law, space.pad)
+        else:
+            advance_with_law(z, past, body, wall, law, space.pad)
     if not final:  # what has repeated without proof may yet be left, or proven
         return (UNSETTLED if body.damped else UNDAMPED), 0, budget
     if kept > 0:

@@ -1,9 +1,10 @@
 """One sample interval under a law: sense, decide, and move from change of torque to change of torque; many of them."""
 
-from hknob_cli.engine.general.advance import advance_hold, rub_many
+from hknob_cli.engine.general.advance import advance_hold, advance_span, rub_many
 from hknob_cli.engine.general.cogging import has_cogs
 from hknob_cli.engine.general.controller import read_after, send
 from hknob_cli.engine.general.hysteresis import turn_and_count
+from hknob_cli.engine.general.jitter import begin_clock, jitters, meant_pace, next_span
 from hknob_cli.engine.general.laws.law import LOOK, MATRIX, PIECE, SPAN, TORQUE, F, G, S
 from hknob_cli.engine.general.slide_two import step_with_friction
 from hknob_cli.engine.general.slopes import cog_many
@@ -96,7 +97,7 @@ def sense(x, speed, past, wall, law):
     With hysteresis ``past[law.line - 1]`` is the count at the last turning point, and then at the sample.
     """
     shown = read_after(x, past[law.line - 1], wall)
-    guard = decide(shown, speed, past, wall, law)
+    guard = decide(shown, meant_pace(speed, wall.clock), past, wall, law)
     if wall.hysteresis > 0.0:
         past[law.line - 1] = shown
     return guard
@@ -125,6 +126,23 @@ def advance_with_law(z, past, body, wall, law, pad):
     return guard
 
 
+def advance_jittering_with_law(z, past, body, wall, law, pad):
+    """As `advance_with_law`, over an interval of random length, whose looks and parts are longer or shorter with it."""
+    guard = sense(z[0], z[1], past, wall, law)
+    length, last = next_span(wall.clock), law.line - 1
+    for piece in range(law.pieces):
+        at = piece * PIECE
+        u, span = past[int(law.sched[at + TORQUE])], length * law.sched[at + SPAN]
+        if wall.hysteresis > 0.0:
+            past[last], _ = turn_and_count(z, u, span, past[last], body, wall, pad)
+        else:
+            advance_span(z, u, span, body, pad)
+        look = int(law.sched[at + LOOK])
+        if look >= 0:
+            past[look] = read_after(z[0], past[last], wall)
+    return guard
+
+
 def begin_past(past, shown, law):
     """What is remembered before the first sample, at which the encoder shows ``shown``: no torque is under way."""
     for j in range(len(past)):
@@ -146,12 +164,15 @@ def copy_to(target, source):
 def chart_with_law(z, past, period, body, wall, law, pad, pieces):
     """Write down one period of an orbit, as `general.trace.chart_period`."""
     rows = 0
+    begin_clock(wall.clock, -1.0)
     for _ in range(period):
         sense(z[0], z[1], past, wall, law)
+        length = next_span(wall.clock) if jitters(wall.clock) else 1.0
         for piece in range(law.pieces):
             at, begun = piece * PIECE, rows
             u = past[int(law.sched[at + TORQUE])]
-            rows = chart(z, u, law.sched[at + SPAN], body, pad, rows, pieces)
+            span = length * law.sched[at + SPAN] if jitters(wall.clock) else law.sched[at + SPAN]
+            rows = chart(z, u, span, body, pad, rows, pieces)
             if wall.hysteresis > 0.0:
                 for row in range(begun, rows):
                     past[law.line - 1] = read_after(pieces.states[row * body.order], past[law.line - 1], wall)

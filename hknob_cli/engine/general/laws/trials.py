@@ -6,11 +6,12 @@ from hknob_cli.engine.follow import CYCLE_PROVEN, REST_EDGE, REST_PROVEN, UNSETT
 from hknob_cli.engine.general.controller import read, read_after
 from hknob_cli.engine.general.ensemble import begin, find, is_cycle
 from hknob_cli.engine.general.follow import FIELDS, KNOWN
+from hknob_cli.engine.general.jitter import begin_clock, jitters
 from hknob_cli.engine.general.laws.cascade import nearly_same
 from hknob_cli.engine.general.laws.follow import fate_of, follow_with_law
 from hknob_cli.engine.general.laws.law import CYCLE_AT_SWITCH, CYCLE_NOT_AFFINE, REST_NOT_PROVEN
 from hknob_cli.engine.general.laws.period import certify_with_law
-from hknob_cli.engine.general.laws.step import advance_with_law, begin_past, copy_to
+from hknob_cli.engine.general.laws.step import advance_jittering_with_law, advance_with_law, begin_past, copy_to
 
 SAME = 1e-9  # of what is remembered at one sample of an orbit and at another, relative
 
@@ -145,8 +146,12 @@ def run_trials_with_law(
     for trial in range(first, stop):
         begin(z, start, (trial + 0.5) / phases, body, space.pad)
         begin_past(past, read(z[0], wall), law)
+        begin_clock(wall.clock, float(trial))
         for _ in range(skip):
-            advance_with_law(z, past, body, wall, law, space.pad)
+            if jitters(wall.clock):
+                advance_jittering_with_law(z, past, body, wall, law, space.pad)
+            else:
+                advance_with_law(z, past, body, wall, law, space.pad)
             if not -limit < z[0] < limit or body.halt[0] > 0.0:
                 break
         fate, period, used = follow_with_law(

@@ -1,0 +1,330 @@
+"""Cells of states under every clock: successors hold every motion, and the graph is trimmed as another way does."""
+
+from collections.abc import Iterator
+from math import sqrt
+from random import Random
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+from hknob_cli.engine.general import every_clock
+from hknob_cli.engine.general.body import Body
+from hknob_cli.engine.general.clock_cells import (
+    CAPTURED,
+    HOLD,
+    LEAVES,
+    LEVELS,
+    RESTS,
+    SLACK,
+    THERE,
+    UNSEEN,
+    Cells,
+    hold_range,
+    reach_cells,
+    rests,
+    rounded,
+    successors,
+    trim_cells,
+    widest_range,
+)
+from hknob_cli.engine.general.controller import Controller, command, edge_gap, read
+from hknob_cli.engine.general.jitter import SHORTEST
+from hknob_cli.engine.general.search import as_list
+from hknob_cli.engine.propagator import hold_coefficients
+from hknob_cli.scene.general_knob import GeneralKnob
+from tests.verification.general_scenes import scene
+from tests.verification.test_jitter import knob_of, with_clock
+
+BOXES = 4 * 2 ** (LEVELS - 1)
+
+
+class Still(NamedTuple):
+    """What cells need of a body; ``halt`` never rings."""
+
+    beta: float
+    drive: float
+    alpha: float = 0.0
+    halt: tuple[float, ...] = (0.0,)
+
+    @property
+    def reach(self) -> float:
+        """Position of a unit root of energy."""
+        return 1.0 / sqrt(self.beta)
+
+
+def grid_of(body: Body, wall: Controller, fineness: int, far: int = 6, *, whole: bool = True) -> Cells:
+    """A grid about the origin, ``far`` counts each way, in lists."""
+    width = 1.0 / fineness
+    height = width * sqrt(body.beta)
+    rows = round(2.0 / height)
+    shortest = float(wall.clock[SHORTEST])
+    parts = every_clock.parts_of(body, shortest).tolist()
+    box = (-far * fineness, -rows, 2 * far * fineness, 2 * rows)
+    return Cells(width, height, *box, shortest, whole, parts, [0] * BOXES)
+
+
+def middle(at: int, cells: Cells) -> tuple[float, float]:
+    """Position and speed in the middle of a cell."""
+    column, row = divmod(at, cells.rows)
+    return (cells.left + column + 0.5) * cells.width, (cells.low + row + 0.5) * cells.height
+
+
+def reached(count: int, cells: Cells) -> set[int]:
+    """All cells of the boxes that `successors` has left."""
+    found: set[int] = set()
+    for i in range(count):
+        first, last, under, over = cells.boxes[4 * i : 4 * i + 4]
+        found |= {column * cells.rows + row for column in range(first, last + 1) for row in range(under, over + 1)}
+    return found
+
+
+def scenes(count: int) -> Iterator[tuple[Random, GeneralKnob]]:
+    """Knobs of many kinds: ringing and creeping, fast and slow, with steps, limits, detents and other roundings."""
+    for number in range(count):
+        chance = Random(f"cells {number}")
+        hand = {
+            "inertia": 3e-7,
+            "damping": 10.0 ** chance.uniform(-4.3, -2),
+            "stiffness": 10.0 ** chance.uniform(-2, 0),
+        }
+        parts: dict[str, Any] = {"hand": hand, "wall": {"stiffness": chance.uniform(0.05, 2.0)}}
+        if number % 3 == 0:
+            parts["encoder"] = {"rounding": chance.choice(["ceil", "truncate", "nearest"]), "offset_counts": 0.3}
+        if number % 4 == 1:
+            parts["actuator"] = {"torque_limit": 3e-3, "torque_step": 2e-4}
+        if number % 5 == 2:
+            parts["detents"] = {"per_revolution": 60, "torque": 2e-3}
+        jitter, rate = chance.choice([0.02, 0.3, 0.9]), chance.choice([150.0, 1000.0, 5000.0])
+        yield chance, knob_of(with_clock(scene(**parts), jitter), rate, 512)
+
+
+@pytest.mark.parametrize("fineness", [1, 8, 64])
+def test_successors_hold_the_next_state_of_every_motion(fineness: int) -> None:
+    """From corners, sides and within, after the shortest, the longest and other intervals; where a hold goes, too."""
+    tried = 0
+    for chance, knob in scenes(40):
+        body, wall = knob.body, as_list(knob.wall)
+        cells = grid_of(body, wall, fineness, far=400, whole=False)._replace(rows=2 * round(60.0 * fineness))
+        cells = cells._replace(low=-cells.rows // 2)
+        for _ in range(12):
+            x = chance.uniform(-4.0, 4.0)
+            v = chance.uniform(-20.0, 20.0) * cells.height
+            column, row = round(x / cells.width) - cells.left, round(v / cells.height) - cells.low
+            at = column * cells.rows + row
+            x, v = middle(at, cells)
+            shown = read(x, wall)
+            u = command(shown, shown, wall)
+            least, most = hold_range(at, cells, body, wall)
+            count = successors(at, cells, body, wall)
+            if count == CAPTURED:
+                continue
+            there = reached(count, cells)
+            for _ in range(20):
+                across, up = chance.choice([-0.5, 0.5, chance.uniform(-0.5, 0.5)]), chance.choice([-0.5, 0.5, 0.0])
+                begin, pace = x + across * cells.width, v + up * cells.height
+                t = chance.choice([cells.shortest, 1.0, chance.uniform(cells.shortest, 1.0)])
+                s, g, f = hold_coefficients(body.alpha, body.beta, t)
+                y = u + body.drive - body.beta * begin
+                then = begin + s * pace + g * y
+                speed = f * pace + s * y
+                assert least <= then <= most
+                columns = int(np.floor(then / cells.width)) - cells.left
+                rows = int(np.floor(speed / cells.height)) - cells.low
+                if 0 <= columns < cells.columns and 0 <= rows < cells.rows:
+                    assert columns * cells.rows + rows in there
+                    tried += 1
+    assert tried > 3000
+
+
+def test_successors_are_not_much_more_than_that() -> None:
+    """Area of all boxes, over that of a fine net of states: roundings out are a few cells."""
+    knob = knob_of(with_clock(scene(), 0.3))
+    body, wall = knob.body, as_list(knob.wall)
+    cells = grid_of(body, wall, 32)
+    at = (round(-0.7 / cells.width) - cells.left) * cells.rows + round(0.2 / cells.height) - cells.low
+    there = reached(successors(at, cells, body, wall), cells)
+    x, v = middle(at, cells)
+    y = command(-1.0, -1.0, wall) + body.drive - body.beta * x
+    seen = set()
+    for t in np.linspace(cells.shortest, 1.0, 4000):
+        s, g, f = hold_coefficients(body.alpha, body.beta, float(t))
+        then, speed = x + s * v + g * y, f * v + s * y
+        seen.add((int(then // cells.width) - cells.left) * cells.rows + int(speed // cells.height) - cells.low)
+    assert seen <= there
+    assert len(there) <= 8 * len(seen)
+
+
+def test_a_box_rests_where_its_farthest_corner_is_within_the_gap() -> None:
+    """And not where it is beyond it by a thousandth."""
+    hand = {"inertia": 3e-7, "damping": 3e-3, "stiffness": 0.3}
+    knob = knob_of(with_clock(scene(bias={"torque": 2e-3}, hand=hand), 0.3))
+    body, wall = knob.body, as_list(knob.wall)
+    found = 0
+    for level in range(-8, 0):
+        shown = float(level)
+        u = command(shown, shown, wall)
+        rest = (u + body.drive) / body.beta
+        gap = edge_gap(rest, shown, shown, wall)
+        if gap <= 0.0:
+            continue
+        found += 1
+        for rx, rv in ((0.0, 0.0), (0.1 * gap, 0.0), (0.05 * gap, 0.1 * gap * sqrt(body.beta))):
+            for share in (0.2, 0.7):
+                x = rest - share * gap
+                far = share * gap + rx
+                v = sqrt(body.beta * max(0.0, (0.999 * gap) ** 2 - far * far)) - rv
+                if v <= 0.0:
+                    continue
+                assert rests(x, v, rx, rv, u, shown, body, wall)
+                v = sqrt(body.beta * ((1.001 * gap) ** 2 - far * far)) - rv
+                assert not rests(x, v, rx, rv, u, shown, body, wall)
+                assert not rests(x, -v, rx, rv, u, shown, body, wall)
+    assert found > 0
+
+
+def test_roundings_are_bounded_by_the_size_of_all_terms() -> None:
+    """So large as is written, in numbers that a double holds."""
+    assert rounded(-2.0, 4.0, 8.0, -16.0, Still(1.0, -32.0)) == SLACK * 63.0
+    # A rest at -1/2 in the count below 0, and a state at rest beside it: the gap is 1/2.
+    wall = as_list(knob_of(with_clock(scene(), 0.3)).wall)
+    one, two, four = (1.0, -0.5, 0.0, 2.0), (1.0, -1.5, 1.0, 4.0), (0.5, -1.25, 1.0, 6.0)
+    for beta, u, drive, size in (one, two, four, (1.0, 0.5, -1.0, 3.0)):
+        for part, found in ((0.98, False), (1.02, True)):
+            x = -1.0 + part * size * SLACK
+            assert rests(x, 0.0, 0.0, 0.0, u, -1.0, Still(beta, drive), wall) == found
+
+
+def test_a_box_that_stays_comes_into_those_beside_it() -> None:
+    """Its sides are theirs, and a rounding decides: a state on a side is in both."""
+    wall = as_list(knob_of(with_clock(scene(), 0.3)).wall)._replace(kappa=0.0)
+    parts = [0.0, 0.0, 1.0] * (2**LEVELS - 1 + HOLD)
+    cells = Cells(0.25, 0.25, -8, -8, 16, 16, 1.0, True, parts, [0] * BOXES)
+    at = 5 * 16 + 6
+    assert reached(successors(at, cells, Still(1.0, 0.0), wall), cells) == {
+        at + column * 16 + row for column in (-1, 0, 1) for row in (-1, 0, 1)
+    }
+    for side in (5, 5 * 16, 5 * 16 + 15, 15 * 16 + 6):
+        assert successors(side, cells, Still(1.0, 0.0), wall) == LEAVES
+        inside = cells._replace(whole=False)
+        there = reached(successors(side, inside, Still(1.0, 0.0), wall), inside)
+        assert there <= set(range(16 * 16))
+        assert len(there) == 6
+
+
+def graph_of(knob: GeneralKnob, cells: Cells, begun: list[int]) -> dict[int, set[int]]:
+    """All cells that are reached, and the successors of those from which a motion need not rest."""
+    edges: dict[int, set[int]] = {}
+    left = list(begun)
+    while left:
+        at = left.pop()
+        if at in edges:
+            continue
+        count = successors(at, cells, knob.body, knob.wall)
+        assert count != LEAVES
+        edges[at] = set() if count == CAPTURED else reached(count, cells)
+        left += edges[at]
+    return edges
+
+
+def recurrent(edges: dict[int, set[int]]) -> set[int]:
+    """Cells to which a circle leads: those that are left when all without a predecessor are taken away, in rounds."""
+    there = set(edges)
+    while True:
+        after = {then for at in there for then in edges[at]} & there
+        if after == there:
+            return there
+        there = after
+
+
+def ringed(bias: float) -> tuple[GeneralKnob, Cells, list[int]]:
+    """A knob with a firm hand, in lists, a grid, and a cell to begin with."""
+    hand = {"inertia": 3e-7, "damping": 1.2e-3, "stiffness": 0.3}
+    knob = knob_of(with_clock(scene(bias={"torque": bias}, hand=hand), 0.2))
+    cells = grid_of(knob.body, knob.wall, 8)
+    begun = (round(1.3 / cells.width) - cells.left) * cells.rows + round(-0.05 / cells.height) - cells.low
+    return knob._replace(wall=as_list(knob.wall)), cells, [begun]
+
+
+def follow_cells(
+    functions: dict[str, Any], body: Body, wall: Controller, cells: Cells, begun: list[int]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """Cells that are reached, those that rest, those that are left, and the widest range."""
+    size = cells.columns * cells.rows
+    state, queue = np.zeros(size, np.int8), np.zeros(2 * size, np.int64)
+    state[begun], queue[: len(begun)] = THERE, begun
+    filled, _ = functions["general.reach_cells"](state, queue, len(begun), 10**9, cells, body, wall)
+    found, resting, degree = queue[:filled].copy(), np.flatnonzero(state == RESTS), np.zeros(size, np.int64)
+    left, _ = functions["general.trim_cells"](state, queue, filled, degree, cells, body, wall)
+    assert set(np.flatnonzero(state == THERE).tolist()) == set(queue[:left].tolist())
+    assert np.count_nonzero(state != UNSEEN) == left
+    lows, highs, parent = np.zeros(left), np.zeros(left), np.zeros(size, np.int64)
+    widest = functions["general.widest_range"](state, queue, left, parent, degree, lows, highs, cells, body, wall)
+    return found, resting, queue[:left].copy(), widest
+
+
+PLAIN: dict[str, Any] = {f"general.{one.__name__}": one for one in (reach_cells, trim_cells, widest_range)}
+
+
+@pytest.mark.parametrize("bias", [1e-3, 1.8e-3])
+def test_the_graph_is_trimmed_as_another_way_does(bias: float) -> None:
+    """What is reached, what is left, and the widest range of what is connected."""
+    knob, cells, begun = ringed(bias)
+    edges = graph_of(knob, cells, begun)
+    there = recurrent({at: {one for one in then if edges[one]} for at, then in edges.items() if then})
+    assert len(edges) > 100
+    found, resting, left, widest = follow_cells(PLAIN, knob.body, knob.wall, cells, begun)
+    assert set(found.tolist()) == set(edges)
+    assert set(resting.tolist()) == {at for at, then in edges.items() if not then}
+    assert set(left.tolist()) == there
+    assert widest == connected_range(knob, cells, edges, there)
+    assert (widest > 0.0) == bool(there)
+
+
+def connected_range(knob: GeneralKnob, cells: Cells, edges: dict[int, set[int]], there: set[int]) -> float:
+    """The widest range of cells that are connected, either way."""
+    beside: dict[int, set[int]] = {at: set() for at in there}
+    for at in there:
+        for then in edges[at] & there:
+            beside[at].add(then)
+            beside[then].add(at)
+    widest, left = 0.0, set(there)
+    while left:
+        group, new = set(), {left.pop()}
+        while new:
+            group |= new
+            new = {then for at in new for then in beside[at]} - group
+        left -= group
+        spans = [hold_range(at, cells, knob.body, knob.wall) for at in group]
+        widest = max(widest, max(span[1] for span in spans) - min(span[0] for span in spans))
+    return widest
+
+
+def test_a_grid_that_motions_leave_says_so() -> None:
+    knob = knob_of(with_clock(scene(), 0.2))
+    body, wall = knob.body, as_list(knob.wall)
+    cells = grid_of(body, wall, 4, far=1)
+    at = cells.rows // 2  # the deepest column, at rest
+    size = cells.columns * cells.rows
+    assert successors(cells.rows - 1 + (cells.columns - 1) * cells.rows, cells, body, wall) == LEAVES
+    state, queue = [0] * size, [0] * (2 * size)
+    state[at], queue[0] = THERE, at
+    filled, visits = reach_cells(state, queue, 1, 10, cells, body, wall)
+    assert filled == -1
+    assert visits < 1000
+
+
+def test_starts_hold_the_first_sample_at_any_time() -> None:
+    knob = knob_of(with_clock(scene(), 0.2))
+    body = knob.body
+    start = [2.0, -0.7]
+    regions = every_clock.start_regions(body, start)
+    assert len(regions) == every_clock.START_PARTS
+    for t in np.linspace(0.0, 1.0, 5001):
+        s, g, f = hold_coefficients(body.alpha, body.beta, float(t))
+        y = body.drive - body.beta * start[0]
+        x, v = start[0] + s * start[1] + g * y, f * start[1] + s * y
+        part = regions[min(int(t * len(regions)), len(regions) - 1)]
+        assert part.left <= x <= part.right
+        assert part.low <= v <= part.high
+    assert every_clock.start_region([[0.0, -1.0], [2.0, 3.0]]) == [every_clock.Region(0.0, 2.0, -1.0, 3.0)]
