@@ -45,6 +45,7 @@ class Scene(Mapping[str, Any]):
         gear: Part | None = None,
         squeeze: Part | None = None,
         clock: Part | None = None,
+        cogging: Part | None = None,
     ) -> None:
         """Parts as a spec has them (``docs/reference/scene.md``); None: not listed.
 

@@ -14,7 +14,8 @@ from hknob_cli.engine.general.follow import CYCLE_EXPANDS
 from hknob_cli.engine.general.jitter import meant_pace
 from hknob_cli.engine.general.laws.law import BLOCK, CYCLE_NOT_AFFINE, PIECE, Law
 from hknob_cli.engine.propagator import hold_coefficients
-from hknob_cli.scene.general_knob import GeneralKnob, add_spans, sample_general
+from hknob_cli.scene.general_body import add_spans
+from hknob_cli.scene.general_knob import GeneralKnob, sample_general
 from hknob_cli.specs.plan import Scene
 
 UNIT = 1.0  # N·m/rad: where there is no wall, a controller's torques are in steps of one so stiff
@@ -77,7 +78,10 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int | None)
         senses=control.senses_speed,
         provable=fading.fade < 1.0
         and not analog
-        and not (control.senses_speed and (body.friction > 0.0 or body.play > 0.0 or knob.wall.hysteresis > 0.0)),
+        and not (
+            control.senses_speed
+            and (body.friction > 0.0 or body.play > 0.0 or knob.wall.hysteresis > 0.0 or body.cogs is not None)
+        ),
         cuts=control.cuts,
         unproven=CYCLE_EXPANDS if control.senses_speed or analog else CYCLE_NOT_AFFINE,
         watch=_watched(knob.wall, outside=outside),

@@ -40,6 +40,7 @@ class Reason(IntEnum):
     SPINS = 22
     PARTS = 23
     JITTERS = 24
+    COGS = 25
 
 
 WORDS = {
@@ -59,6 +60,7 @@ WORDS = {
     Reason.EXPANDS: "the period map is not shown to contract: nearby motions need not follow",
     Reason.CONSERVATIVE: "neither damping nor friction: the motion repeats, one of a continuum of its kind",
     Reason.PARTS: "teeth part in the cycle: it attracts to first order, but no bound on how far away is proven",
+    Reason.COGS: "cogging holds the knob on no slope all along: the cycle attracts to first order, which is no proof",
     Reason.JITTERS: "no two sample intervals are alike: no motion repeats, and rest is not proven",
     Reason.TOO_LONG: "it repeats, but its period has too many turning points to measure",
     Reason.NOT_AFFINE: "the controller is not piecewise affine: it repeats, and attracts to first order",

@@ -1,7 +1,8 @@
 """Integrals over a hold, and of quadratic forms along a linear motion of any number of states, at any stiffness.
 
 As in `engine.orbit.forms`: over a short piece by Gauss-Legendre quadrature, doubled from there. The vector that the
-forms act on is (z, 1, u, f): the state, the constant torques, the command, and the torque of friction.
+forms act on is (z, 1, u, f): the state, the constant torques, the command, and the torque of friction, with what is
+constant of cogging on a slope.
 
 Integrals over one hold as matrices, for many pieces of motion at once; what they are: `engine.orbit.forms`.
 """
@@ -23,6 +24,7 @@ from hknob_cli.engine.general.body import (
     Body,
     coil_at,
 )
+from hknob_cli.engine.general.cogging import CENTRE, COGGED, LENGTH, SLOPE, STABLE, UNSTABLE
 from hknob_cli.engine.general.search import PeriodSegments
 from hknob_cli.engine.general.teeth import APART, BACK, STUCK_APART, STUCK_BACK
 from hknob_cli.engine.orbit import forms
@@ -62,7 +64,8 @@ class Integrals(NamedTuple):
 class Regime(NamedTuple):
     """Pieces of a motion with one generator: ``these`` (m,) of all; ``held`` by friction, or on which ``teeth``.
 
-    ``teeth``: `WALL` on the flank on which the wall holds the push, `teeth.APART` on none, `teeth.BACK` on the other.
+    ``teeth``: `WALL` on the flank on which the wall holds the push, `teeth.APART` on none, `teeth.BACK` on the other;
+    or the slope of cogging, `cogging.STABLE` or `cogging.UNSTABLE`.
     """
 
     these: NDArray[np.bool_]
@@ -82,13 +85,15 @@ def regime_of(kind: int) -> tuple[bool, int]:
 
 def ways(modes: Array) -> Array:
     """Sign of the speed in pieces of these ``modes`` (m,); 0 where friction holds the knob."""
-    return np.asarray(np.where(np.abs(modes) < STUCK_APART, np.sign(modes), 0.0))
+    stuck = (np.abs(modes) == STUCK_APART) | (np.abs(modes) == STUCK_BACK)
+    return np.asarray(np.where(stuck, 0.0, np.sign(modes)))
 
 
 def regimes(modes: Array) -> list[Regime]:
     """Which pieces have which generator, from their ``modes`` (m,) as `engine.general.trace` writes them."""
     kinds = np.abs(modes)
-    found = [Regime(kinds == kind, *regime_of(kind)) for kind in (WALL, 0, APART, BACK, STUCK_APART, STUCK_BACK)]
+    every = (WALL, 0, APART, BACK, STUCK_APART, STUCK_BACK, STABLE, UNSTABLE)
+    found = [Regime(kinds == kind, *regime_of(kind)) for kind in every]
     return [one for one in found if one.these.any()]
 
 
@@ -100,6 +105,8 @@ def generator(body: Body, *, held: bool, teeth: int = WALL) -> Array:
     matrix, vector = (HELD, CONSTANT_HELD) if other else (RATES, CONSTANT)
     if held and body.play > 0.0:
         matrix, vector = STUCK + (teeth == APART), CONSTANT_STUCK
+    if teeth in (STABLE, UNSTABLE):
+        matrix = COGGED + (teeth == UNSTABLE)
     first = matrix * n * n
     g[:n, :n] = np.reshape(body.matrices[first : first + n * n], (n, n))
     g[:n, n] = body.vectors[vector * n : (vector + 1) * n]
@@ -117,6 +124,16 @@ def generator(body: Body, *, held: bool, teeth: int = WALL) -> Array:
     return g
 
 
+def cogs_of(body: Body, chart: PeriodSegments) -> Array:
+    """What is constant of cogging in each piece of a period, as an acceleration (pieces,): spring times middle."""
+    if body.cogs is None:
+        return np.zeros(len(chart.spans))
+    x = chart.states[:, 0]
+    slope = np.floor((0.5 * (x[:-1] + x[1:]) - body.cogs[CENTRE]) / body.cogs[LENGTH] + 0.5)
+    spring = np.where(slope % 2.0 == 0.0, body.cogs[SLOPE], -body.cogs[SLOPE])
+    return np.asarray(spring * (body.cogs[CENTRE] + slope * body.cogs[LENGTH]))
+
+
 def piece_starts(body: Body, chart: PeriodSegments) -> Array:
     """The vector (z, 1, u, f) where each piece of a period begins, shape (pieces, n + 3)."""
     n = body.order
@@ -125,6 +142,8 @@ def piece_starts(body: Body, chart: PeriodSegments) -> Array:
     starts[:, n] = 1.0
     starts[:, n + 1] = chart.commands
     starts[:, n + 2] = -ways(chart.modes) * body.friction
+    if body.cogs is not None:
+        starts[:, n + 2] += cogs_of(body, chart)
     return starts
 
 

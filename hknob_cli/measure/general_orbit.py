@@ -39,6 +39,7 @@ from hknob_cli.measure.orbit import OrbitMeasures, at_rest
 from hknob_cli.scene.general_knob import GeneralKnob
 
 RATTLE = 4096  # samples over which a motion that does not repeat is measured
+_MOVING = (Reason.NO_REPEAT, Reason.TOO_SLOW, Reason.NO_STIFFNESS, Reason.NO_DAMPING)
 MOST_WORK = 400_000_000  # pieces times harmonics of an orbit, some seconds
 _BLOCK = 1 << 19  # numbers worked on at once
 _SAME = 1e-11  # samples; what roundings of lengths leave between a sum of them and the sample where it ends
@@ -178,7 +179,8 @@ class GeneralMeasurer:
             return OrbitMeasures()
         x = chart.states[:, 0]
         reference = float(x[:-1].mean())
-        totals = self._few_states(chart, reference) if body.order == 2 else self._many_states(chart, reference)
+        closed = body.order == 2 and body.cogs is None
+        totals = self._few_states(chart, reference) if closed else self._many_states(chart, reference)
         mean = totals.mean / attractor.period
         rms = sqrt(max(totals.square / attractor.period - mean * mean, 0.0))
         travel = float(np.abs(np.diff(x))[chart.modes != 0.0].sum())
@@ -216,14 +218,15 @@ class GeneralMeasurer:
         }
 
     def _rattle(self, attractor: Attractor) -> OrbitMeasures:
-        """Where teeth part and trials do not repeat: swing of the knob, and chaos, of one after its last sample."""
+        """Trials that do not repeat, by teeth that part or by cogging: swing and chaos of one after its last sample."""
         knob, body = self.knob, self.knob.body
-        if not (body.play > 0.0 and attractor.state):
+        cogged = body.cogs is not None and attractor.reason in _MOVING
+        if not (body.play > 0.0 and attractor.state) and not cogged:
             return OrbitMeasures()
         chart = self.engine.chart(body, knob.wall, attractor._replace(period=RATTLE))
         if chart is None:
             return OrbitMeasures()
-        least, most = extremes(body, chart, knob_row)
+        least, most = extremes(body, chart, knob_row) if knob.behind else (0.0, float(np.ptp(chart.states[:, 0])))
         rate = self.engine.parting_rate(body, knob.wall, attractor, RATTLE)
         return OrbitMeasures(rattle_p2p_rad=(most - least) * knob.quantum_rad, parting_per_s=rate / knob.period_s)
 
@@ -274,22 +277,21 @@ class GeneralMeasurer:
         return Totals(mean=mean, square=square, loss=body.alpha * speed, power=nan)
 
     def _many_states(self, chart: PeriodSegments, reference: float) -> Totals:
-        """More states: every piece by the integrals over its length."""
-        body, n = self.knob.body, self.knob.body.order
+        """More states, or cogging: every piece by the integrals over its length."""
+        body, starts = self.knob.body, piece_starts(self.knob.body, chart)
         total = np.zeros(4)
-        for i, (span, mode, way) in enumerate(zip(chart.spans, chart.modes, ways(chart.modes), strict=True)):
+        for i, (span, mode) in enumerate(zip(chart.spans, chart.modes, strict=True)):
             key = float(span), int(abs(mode))
             held, teeth = regime_of(key[1])
             found = self._integrals.get(key) or integrate(body, key[0], held=held, teeth=teeth)
             if key[0] in (1.0, self.knob.wall.split, 1.0 - self.knob.wall.split):
                 self._integrals[key] = found
-            zeta = np.concatenate([chart.states[i], [1.0, chart.commands[i], -way * body.friction]])
+            zeta = starts[i]
             mean = float(found.mean @ zeta)
             square = float(zeta @ found.square @ zeta) - 2.0 * reference * mean + reference * reference * key[0]
             total += (mean - reference * key[0], square, zeta @ found.loss @ zeta, zeta @ found.power @ zeta)
             if teeth == APART:
                 total[2] += relaxed(body, float(chart.states[i, 2]), float(chart.states[i + 1, 2]))
-        assert n > 2
         return Totals(*(float(value) for value in total))
 
 

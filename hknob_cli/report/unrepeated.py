@@ -24,7 +24,7 @@ def rattle_text(swings: Sequence[float], where: str = "") -> str:
     if not swings:
         return ""
     swing = f"the knob swings by {range_text([1e3 * one for one in swings], 'mrad')} (one trial each, not proven)"
-    return f" The teeth of its gear rattle{where}: no trial repeats, and {swing}."
+    return f" It moves on{where} and no trial repeats: {swing}."
 
 
 def jitter_text(swings: Sequence[float], where: str = "") -> str:

@@ -88,7 +88,7 @@ BEHIND = (
     Column("mesh_most_nm", _REAL, "N*m", "largest torque of the mesh on the knob, out of the wall"),
 )
 RATTLE = (
-    Column("rattle_max_rad", _REAL, "rad", "where trials with backlash do not repeat: largest rattle_p2p_rad of them"),
+    Column("rattle_max_rad", _REAL, "rad", "where trials with backlash or cogging do not repeat: the largest swing"),
 )
 JITTER_MAX = (
     Column(
@@ -118,7 +118,8 @@ PLAY = (
         "rattle_p2p_rad",
         _REAL,
         "rad",
-        "where trials with backlash do not repeat: largest less smallest angle of the knob, over 4096 samples of one",
+        "where trials with backlash or cogging do not repeat: largest less smallest angle of the knob, over 4096 "
+        "samples of one",
     ),
     Column(
         "parting_per_s",

@@ -63,9 +63,12 @@ def increment(a: Array, t: float, alpha: float, beta: float) -> Array:
     return d
 
 
-def increments(a: Array, held: Array, split: float, alpha: float, beta: float) -> list[Array]:
-    """D over both parts of an interval, and, except for second order, D(1), D(1/2), D(1/4), ..., sliding and held."""
-    if len(a) == 2:
+def increments(a: Array, held: Array, split: float, alpha: float, beta: float, *, stepped: bool = False) -> list[Array]:
+    """D over both parts of an interval, and D(1), D(1/2), D(1/4), ..., sliding and held.
+
+    Of second order without the latter, unless it is ``stepped``, and not by closed forms.
+    """
+    if len(a) == 2 and not stepped:
         return [increment(a, split, alpha, beta).ravel(), increment(a, 1.0 - split, alpha, beta).ravel()]
     both = [halves(a), halves(held)]
     whole = both[0][0] if split == 0.0 else increment(a, 1.0 - split, alpha, beta)

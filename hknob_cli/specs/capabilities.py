@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from hknob_cli.specs.capability_reasons import AT as AT
-from hknob_cli.specs.capability_reasons import BESIDE_JITTER, ON_ONE_FLANK
+from hknob_cli.specs.capability_reasons import BESIDE
 from hknob_cli.specs.capability_reasons import WHY as WHY
 from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.parts_there import parts_of as parts_of
@@ -140,6 +140,7 @@ PARTS = {
     "gear": Part("a gear", "gear.ratio"),
     "mesh": Part("a gear with compliance", "gear.stiffness"),
     "play": Part("backlash of a gear", "gear.backlash"),
+    "cogging": Part("cogging torque", "cogging.torque"),
     "squeeze": Part("a grip that follows the push", "squeeze.friction"),
     "undamped": Part("nothing that damps the knob", of=("knob.damping", "hand.damping", "knob.coulomb_torque")),
     "unheld": Part("nothing that holds the knob", of=("hand.stiffness",)),
@@ -197,6 +198,7 @@ _TABLE = {
     "gear":            "PEPPP PPPPPP -EE~ ~P~--",
     "mesh":            "--P-P ---P-- -EE~ -----",
     "play":            "--E-E ------ -EE~ -----",
+    "cogging":         "--E-E ------ -EE~ -----",
     "squeeze":         "PEPPP PPPPPP PEE~ ~P~--",
     "undamped":        "EEEEE --E--E EEE~ ~E~E-",
     "unheld":          "EEEPE --E--E EEE~ ~E~E-",
@@ -239,8 +241,7 @@ EXCEPTIONS = {
         )
         for part in ("hysteresis", "backlash")
     },
-    **{("bare", "play", at): (REFUSED, ON_ONE_FLANK) for at in ("general", "laws")},
-    **{("jitter", part, at): (REFUSED, why) for part, why in BESIDE_JITTER.items() for at in ("general", "laws")},
+    **{pair: (REFUSED, why) for pair, why in BESIDE.items()},
     ("friction", "bare", "general"): (EXACT, "the period map is not shown to contract"),
     ("friction", "speed_sensor", "laws"): (EXACT, "the torque follows the motion, which is not affine"),
     **{

@@ -18,14 +18,15 @@ _NOT_A_BALL = {
     "its torque is the plain wall's": ("torque_limit", "torque_step", "dead_band", "supply"),
     "its count has no memory": ("hysteresis", "backlash"),
     "it is of one body": ("mesh", "play"),
+    "it is of a knob that nothing holds": ("cogging",),
 }
 _STATE_BY_STATE = (
     ("hysteresis", "the count goes by turning points, which differ within a set"),
     ("backlash", "the count goes by turning points, which differ within a set"),
     ("bare", "the torque differs within a set"),
     ("play", "teeth part at different times within a set"),
+    ("cogging", "a set is torn on an unstable slope of the torque"),
 )
-ON_ONE_FLANK = "what is proven of teeth on one flank rests on counts"
 # Why a part is refused, where its column's own reason does not say it.
 WHY = {
     ("virtual_damping", "unsampled"): "virtual damping needs samples to difference",
@@ -96,9 +97,23 @@ WHY = {
     **{("undamped", column): "nothing contracts" for column in _OF_ONE_START_OR_RANGES},
     **{("unheld", column): "no energy bounds how far motions part" for column in _OF_ONE_START_OR_RANGES},
 }  # fmt: skip
-# What is refused beside a sample clock that jitters, though the general loop takes it.
-BESIDE_JITTER = {
+_BESIDE_JITTER = {
     "bare": "what brings the knob to rest beside it is known only of intervals that are alike",
+}
+_BESIDE_COGGING = {
+    "bare": "what is shown of a torque that follows the motion is of one linear motion, without corners",
+    "play": "teeth are followed from flank to flank, without corners of another torque",
+    "squeeze": "the grip's balance leaves it out",
+    "jitter": "what is known of every clock is of one linear motion, without corners",
+    "hysteresis": "some motions are followed from turning point to turning point in steps too small to end",
+    "backlash": "some motions are followed from turning point to turning point in steps too small to end",
+}
+_LOOPS = ("general", "laws")
+# Pairs of parts that are refused by loops that take each of the two.
+BESIDE = {
+    **{("bare", "play", at): "what is proven of teeth on one flank rests on counts" for at in _LOOPS},
+    **{("jitter", part, at): why for part, why in _BESIDE_JITTER.items() for at in _LOOPS},
+    **{("cogging", part, at): why for part, why in _BESIDE_COGGING.items() for at in _LOOPS},
 }
 # Refusals whose fault stands at what is asked for, not at the part of the scene.
 AT = {

@@ -5,6 +5,8 @@ encoder sees and the actuator turns, takes the place of the knob, the mesh that 
 of a finger. The user's push acts on the latter.
 """
 
+from typing import Any
+
 from hknob_cli.specs.gear import Gear
 from hknob_cli.specs.parts import Finger, Fingerpad, Hand, Knob, Scene
 
@@ -13,7 +15,7 @@ def ungeared(scene: Scene) -> Scene:
     """The scene without its gear, with what it does in its place; of arrays of numbers, too."""
     if scene.gear is None:
         return scene
-    gear, knob, actuator, motor = scene.gear, scene.knob, scene.actuator, scene.motor
+    gear, knob, actuator, motor, cogging = scene.gear, scene.knob, scene.actuator, scene.motor, scene.cogging
     n = gear.ratio
     if actuator:
         limit = actuator.torque_limit
@@ -24,7 +26,11 @@ def ungeared(scene: Scene) -> Scene:
         )
     if motor:
         motor = motor._replace(torque_constant=n * motor.torque_constant)
-    scene = scene._replace(gear=None, turns=n, actuator=actuator, motor=motor)
+    if cogging:
+        # Seen from the knob, places of rest in a turn need not be a whole number.
+        often: Any = n * cogging.per_revolution
+        cogging = cogging._replace(torque=n * cogging.torque, per_revolution=often, centre=cogging.centre / n)
+    scene = scene._replace(gear=None, turns=n, actuator=actuator, motor=motor, cogging=cogging)
     if gear.stiffness is None:
         return scene._replace(
             knob=Knob(

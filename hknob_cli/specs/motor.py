@@ -1,5 +1,7 @@
 """What a motor or a magnet does to the knob beside the torque that is asked of it, from constants of data sheets.
 
+Its cogging, too: magnets prefer some angles to others, whatever the current is.
+
 A winding that turns in its motor's field gets a voltage Kt w, and with R and L a current whose torque brakes,
 
     L di/dt + R i = V - Kt w,   torque = Kt i,
@@ -11,7 +13,7 @@ amplifier takes that away, a voltage amplifier leaves it. Source: Hasser, Chapte
 from typing import Annotated, Literal, NamedTuple
 
 from hknob_cli.specs.declared import declared
-from hknob_cli.specs.quantity import Bounds, Quantity
+from hknob_cli.specs.quantity import Angle, Bounds, Quantity, Torque
 
 Winding = Literal["shorted", "voltage", "current"]
 
@@ -54,6 +56,22 @@ class Motor(NamedTuple):
                 f"by Kt²/R = {fall:.3g} N*m for each rad/s, which no engine follows; give actuator.torque_limit"
             )
         return ""
+
+
+MOST_COGS = 10**6  # in a revolution
+
+
+@declared()
+class Cogging(NamedTuple):
+    """A torque of the motor's true angle, without current: a triangle wave with places of rest at equal distances."""
+
+    per_revolution: Annotated[
+        int,
+        Bounds(strict=True, ge=1, le=MOST_COGS),
+        "places of rest in a turn of the motor: the least common multiple of poles and slots",
+    ]
+    torque: Annotated[Torque, "the largest, a quarter of a period from a place of rest; 0: none"] = 0.0
+    centre: Annotated[Angle, "angle of one of them, of the motor"] = 0.0
 
 
 @declared()

@@ -10,7 +10,7 @@ from typing import Annotated, Literal, NamedTuple
 from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.declared import declared
 from hknob_cli.specs.gear import Gear
-from hknob_cli.specs.motor import Coil, EddyBrake, Motor
+from hknob_cli.specs.motor import Cogging, Coil, EddyBrake, Motor
 from hknob_cli.specs.over_angle import DeadZone, Detents, EndStops, Profile
 from hknob_cli.specs.quantity import Bounds, Damping, Inertia, KnobRadius, Seconds, Stiffness, Torque, Width
 
@@ -201,3 +201,4 @@ class Scene(NamedTuple):
     behind: bool = False
     play: float = 0.0
     clock: SampleClock | None = None
+    cogging: Cogging | None = None

@@ -50,6 +50,7 @@ def parts_of(scene: Scene) -> frozenset[str]:
         "gear": written.gear is not None,
         "mesh": scene.behind,
         "play": scene.play != 0.0,
+        "cogging": scene.cogging is not None and scene.cogging.torque != 0.0,
         "squeeze": written.squeeze is not None,
         "undamped": damping == 0.0 and scene.coil is None and knob.coulomb_torque == 0.0,
         "unheld": soft,

@@ -212,6 +212,16 @@ def may_part(plan: SweepPlan) -> bool:
     return gear is not None and (gear.backlash > 0.0 or any(plan.axes.get("gear.backlash", [])))
 
 
+def may_roam(plan: SweepPlan) -> bool:
+    """Whether a sweep has a part, in some of its cells at least, that may keep trials from ever repeating.
+
+    That is backlash of a gear, or cogging.
+    """
+    cogging = plan.scene.cogging
+    there = cogging is not None and (cogging.torque > 0.0 or any(plan.axes.get("cogging.torque", [])))
+    return there or may_part(plan)
+
+
 def may_jitter(plan: SweepPlan) -> bool:
     """Whether a sweep has a sample clock that jitters, in some of its cells at least."""
     clock = plan.scene.clock

@@ -133,22 +133,20 @@ def test_a_remedy_whose_trials_have_no_decided_end_does_not_diverge() -> None:
 def test_teeth_that_rattle_are_said_beside_the_cycles() -> None:
     """An end that no cycle tells of is no silence."""
     calm, loose = cell(2e-3, rattle_max_rad=None), cell(0.0, rattle_max_rad=3e-3) | {"at_rest_fraction": 0.0}
-    said = "The teeth of its gear rattle in 1 of 2 cells: no trial repeats, and the knob swings by 3 mrad (one trial "
+    said = "It moves on in 1 of 2 cells and no trial repeats: the knob swings by 3 mrad (one trial "
     assert said in grid_verdict([calm, loose], [])
     both = grid_verdict([loose, {**loose, "rattle_max_rad": 7.152e-3}], [])
     assert both.startswith("No limit cycle in any of 2 cells")
-    assert "rattle in all 2 cells: no trial repeats, and the knob swings by 3 to 7.152 mrad (one trial each" in both
-    assert "rattle" not in grid_verdict([calm, calm], [])
+    assert "It moves on in all 2 cells and no trial repeats: the knob swings by 3 to 7.152 mrad (one trial each" in both
+    assert "moves on" not in grid_verdict([calm, calm], [])
 
 
 def test_one_cell_that_rattles_says_so() -> None:
     end = {"outcome": "undecided", "basin_fraction": 1.0, "certified": False, "reason": "unproven: x"}
     (said,) = one_cell_text([{**end, "rattle_p2p_rad": 4e-3}])
     assert said.startswith("No limit cycle was found")
-    assert said.endswith(
-        " The teeth of its gear rattle: no trial repeats, and the knob swings by 4 mrad (one trial each, not proven)."
-    )
-    assert "rattle" not in one_cell_text([end])[0]
+    assert said.endswith(" It moves on and no trial repeats: the knob swings by 4 mrad (one trial each, not proven).")
+    assert "moves on" not in one_cell_text([end])[0]
 
 
 def test_a_clock_that_jitters_is_said_beside_the_cycles() -> None:

@@ -106,6 +106,7 @@ CHANGES: dict[str, dict[str, Any]] = {
     "gear": {"scene": {"gear": {"ratio": 2.5, "motor_inertia": 1e-8}}},
     "mesh": {"scene": {"gear": {"ratio": 2.5, "motor_inertia": 1e-8, "stiffness": 20.0, "mesh_damping": 1e-3}}},
     "play": {"scene": {"gear": {"ratio": 2.5, "motor_inertia": 1e-8, "stiffness": 20.0, "backlash": 0.002}}},
+    "cogging": {"scene": {"cogging": {"torque": 1e-3, "per_revolution": 84, "centre": 0.03}}},
     "squeeze": {
         "scene": {
             "hand": {"inertia": None, "damping": None, "stiffness": None, "table": 1, "grip_n": 0.71},
@@ -308,6 +309,13 @@ PAIRS = [
     ("rubbing_motor", "play", "general"),
     ("hysteresis", "play", "general"),
     ("backlash", "play", "general"),
+    ("friction", "cogging", "general"),
+    ("finger", "cogging", "general"),
+    ("mesh", "cogging", "general"),
+    ("gear", "cogging", "general"),
+    ("controller", "cogging", "laws"),
+    ("speed_sensor", "cogging", "laws"),
+    ("detents", "cogging", "general"),
 ]
 
 

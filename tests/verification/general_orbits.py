@@ -179,6 +179,8 @@ def unknowns(knob: GeneralKnob, bodies: Bodies | None = None) -> list[int]:
 def solve(scene: dict[str, Any], rate_hz: float, counts: int | None, knob: GeneralKnob, one: Attractor) -> Solved:
     """The orbit near the package's."""
     bodies, control = build(scene, sample_rate_hz=rate_hz, counts_per_rev=counts)
+    if bodies.cogs:  # a proven cycle is on one slope
+        bodies = bodies.on(bodies.slope(to_si(knob, control, [one.x, one.v, *one.state], bodies)[KNOB]))
     unit = control.quantum or mp.mpf(knob.quantum_rad)
     torque = mp.mpf(knob.torque_nm)
     current = torque / bodies.torque_constant if bodies.torque_constant else mp.one

@@ -17,7 +17,8 @@ derivatives' motion, which passive bodies cannot gain and which only the lag, de
 A gear that yields is knob and finger, too: the motor over the ratio, and knob and hand behind the mesh, with the push
 on them. Teeth with play press on one flank, on the other, or on none, so that each mode of friction is three.
 Their events are bracketed by halving a step of 1/64 of a sample, and no zeros are excluded: what begins and ends within
-a step is missed.
+a step is missed. Cogging is followed so, too: on each slope of its triangle it is one more spring to ground, with a
+neutral angle of its own.
 """
 
 from collections.abc import Iterator
@@ -89,6 +90,7 @@ class Bodies:
     driven: bool = False  # by a voltage; else it is shorted
     push: Any = 0  # of the user on the finger
     play: Any = 0  # of teeth between knob and finger [rad]
+    cogs: tuple[Any, Any, Any] | None = None  # peak [N m], periods a turn, and an angle of rest [rad]
     _kept: dict[Any, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @cached_property
@@ -148,6 +150,25 @@ class Bodies:
         overlap = turn if flank > 0 else -(turn + self.play)
         return bool(overlap > 0 and self.pad_stiffness * overlap + flank * self.pad_damping * rate > 0)
 
+    def slope(self, theta: Any) -> int:
+        """Number of the slope of the triangle at an angle; the even ones fall, to an angle of rest and beyond it."""
+        assert self.cogs
+        _, often, rest = self.cogs
+        return int(mp.floor((theta - rest) * often / mp.pi + mp.mpf(1) / 2))
+
+    def on(self, slope: int) -> "Bodies":
+        """The bodies with the spring of a slope in place of cogging."""
+        assert self.cogs
+        kept: dict[Any, Bodies] = self._kept.setdefault("slopes", {})
+        if slope not in kept:
+            peak, often, rest = self.cogs
+            spring = peak / (mp.pi / often / 2) * (-1) ** slope
+            neutral = rest + slope * mp.pi / often
+            kept[slope] = replace(
+                self, stiffness=self.stiffness + spring, bias=self.bias - spring * neutral, cogs=None, _kept={}
+            )
+        return kept[slope]
+
     def rate(self, mode: int, z: Vector) -> Vector:
         """A z."""
         return tuple(_dot(row, z) if row else mp.zero for row in self.rows[mode])
@@ -168,7 +189,7 @@ class Bodies:
         if self.torque_constant:
             own.append(self.resistance / self.inductance)
             roots.append(self.torque_constant**2 / self.inductance / self.inertia)
-        return float(2 * (mp.fsum(mp.sqrt(root) for root in roots) + mp.fsum(own)))
+        return float(2 * (mp.fsum(mp.sqrt(abs(root)) for root in roots) + mp.fsum(own)))
 
     def move(self, mode: int, z: Vector, duration: Any, *, recurs: bool) -> Vector:
         """exp(A t) z; a matrix for a duration that ``recurs``, kept, else a Taylor series."""
@@ -283,16 +304,16 @@ class Friction:
     closest: float = float("inf")
     turns: list[Any] = field(default_factory=list)
     find_turns: bool = False
-    flank: int = 1
-    parted: int = 0  # times that teeth have
+    flank: int = 1  # or slope of cogging
+    parted: int = 0  # times that teeth have, or that a slope has ended
 
     def hold(self, command: Any, duration: Any) -> None:
         """Move through one hold of ``command``."""
         bodies = self.bodies
         torque = self.z[TORQUE] if bodies.lag else command
         self.z = (*self.z[:4], torque, command, mp.one, self.z[CURRENT])
-        if bodies.play:
-            self._hold_teeth(duration)
+        if bodies.play or bodies.cogs:
+            self._hold_in_steps(duration)
             return
         if bodies.friction == 0 and not self.find_turns:
             self.mode = UP
@@ -326,29 +347,34 @@ class Friction:
                 else:
                     self.sticks += 1
 
-    def _hold_teeth(self, duration: Any) -> None:
+    def _hold_in_steps(self, duration: Any) -> None:
         """Step by step, each halved where it brings an event."""
         flanks = [flank for flank in (1, -1) if self.bodies.presses(self.z, flank)]
         self.flank = flanks[0] if flanks else 0
+        if self.bodies.cogs:
+            self.flank = self.bodies.slope(self.z[KNOB])
         if self.z[SPEED] == 0:
             self._start()
         else:
             self.mode = UP if self.z[SPEED] > 0 else DOWN
         steps = int(mp.ceil(64 * duration / self.period))
         for _ in range(steps):
-            self._step_teeth(duration / steps, 0)
+            self._step(duration / steps, 0)
 
-    def _step_teeth(self, step: Any, level: int) -> None:
+    def _step(self, step: Any, level: int) -> None:
         then = self._acting().move(self.mode, self.z, step, recurs=False)
         turned, sprung = self._events(then)
         if not turned and not sprung:
             self.z = then
         elif level < 60:
-            self._step_teeth(step / 2, level + 1)
-            self._step_teeth(step / 2, level + 1)
+            self._step(step / 2, level + 1)
+            self._step(step / 2, level + 1)
         else:
             self.z = then
-            if sprung:
+            if sprung and self.bodies.cogs:
+                self.parted += 1
+                self.flank += 1 if then[SPEED] > 0 else -1
+            elif sprung:
                 self.parted += self.flank != 0
                 self.flank = 0 if self.flank else (1 if self.bodies.presses(then, 1) else -1)
             if turned and self.mode != STUCK:
@@ -364,11 +390,16 @@ class Friction:
                 self._start()
 
     def _acting(self) -> Bodies:
+        if self.bodies.cogs:
+            return self.bodies.on(self.flank)
         return self.bodies.teeth[self.flank] if self.bodies.play else self.bodies
 
     def _events(self, z: Vector) -> tuple[bool, bool]:
-        """Whether the knob has turned round, or is released, and whether teeth have met or parted."""
-        if self.flank:
+        """Whether the knob has turned round, or is released, and whether teeth have met or parted, or a slope ended."""
+        if self.bodies.cogs:
+            there = self.bodies.slope(z[KNOB])
+            sprung = there > self.flank if z[SPEED] > 0 else there < self.flank
+        elif self.flank:
             sprung = not self.bodies.presses(z, self.flank)
         else:
             sprung = self.bodies.presses(z, 1) or self.bodies.presses(z, -1)
@@ -698,6 +729,10 @@ def build(scene: dict[str, Any], *, sample_rate_hz: float, counts_per_rev: int |
     )
     if "turns" in scene:
         bodies = replace(bodies, bias=mp.zero, push=bodies.bias, play=number(scene, "play"), _kept={})
+    cogging = scene.get("cogging")
+    if cogging and cogging["torque"]:
+        shape_of = (mp.mpf(cogging["torque"]), mp.mpf(cogging["per_revolution"]), number(cogging, "centre"))
+        bodies = replace(bodies, cogs=shape_of, _kept={})
     control = Control(
         stiffness=number(wall, "stiffness"),
         damping=number(wall, "damping"),
@@ -743,6 +778,9 @@ def _seen_from_the_knob(scene: dict[str, Any]) -> dict[str, Any]:
         found["actuator"] = times(scene["actuator"], ("torque_limit", "torque_step", "dead_band"), n)
     if scene.get("motor"):
         found["motor"] = times(scene["motor"], ("torque_constant",), n)
+    if scene.get("cogging"):
+        own_angle = times(scene["cogging"], ("centre",), 1 / n)
+        found["cogging"] = times(own_angle, ("torque", "per_revolution"), n)
     return found
 
 

@@ -62,7 +62,7 @@ LEAST_PARTS = 3
 ANGLE, VELOCITY, PHASE = 0.02, -0.5, 0.5  # rad, rad/s, of a sample: where trials start
 COMPARED = 60  # samples of a trial that are compared one by one
 SETTLED = 500  # samples by which the model should have settled, to compare what it settles to
-THROUGH_PLAY = 80  # of a motion whose teeth may part
+THROUGH_PLAY = 80  # of a motion whose teeth may part, or beside cogging
 BEFORE_CHAOS = 30  # samples that are compared of it: neighbours part tenfold in 10 to 29 ms, and so do roundings
 LONGEST = 40  # samples of a period that is derived again, for the time that 60 digits take
 CLEAR = 1e-6  # counts from an edge within which rounding may decide, far beyond the roundings of so many samples
@@ -180,10 +180,19 @@ def _friction(chance: Random, scene: Scene) -> None:
         scene["knob"]["coulomb_torque"] = level
 
 
+def _cogging(chance: Random, scene: Scene) -> None:
+    scene["cogging"] = {
+        "torque": log_uniform(chance, -4.0, -2.0) / (scene["gear"]["ratio"] if "gear" in scene else 1.0),
+        "per_revolution": chance.choice([24, 42, 84, 132]),
+        "centre": chance.uniform(-0.1, 0.1),
+    }
+
+
 MAKERS: dict[str, Callable[[Random, Scene], None]] = {
     "mesh": _gear,
     "play": _play,
     "friction": _friction,
+    "cogging": _cogging,
     "knob_damping": in_part("knob", "damping", lambda chance: log_uniform(chance, -6.0, -4.5)),
     "handless": _no_hand,
     "unheld": lambda _, scene: scene.update(hand={"inertia": 3.0e-7, "damping": 3.0e-4, "stiffness": 0.0}),
@@ -373,8 +382,9 @@ def ratio_of(one: Case) -> Any:
 
 
 def samples_of(one: Case) -> int:
-    """How long the model runs; teeth that part are followed in steps, each of them a series."""
-    return THROUGH_PLAY if (one.scene.get("gear") or {}).get("backlash") else SETTLED
+    """How long the model runs; teeth that part, and cogging, are followed in steps, each of them a series."""
+    stepped = "cogging" in one.scene or (one.scene.get("gear") or {}).get("backlash")
+    return THROUGH_PLAY if stepped else SETTLED
 
 
 class Verdict(NamedTuple):
@@ -411,7 +421,7 @@ def compare(one: Case) -> Verdict:
     if end.outcome is Outcome.CYCLE and end.certified and end.period <= LONGEST and known:
         largest = derive(one, found)
         cycles = 1
-    if end.outcome is Outcome.CYCLE and (end.certified or end.reason is Reason.PARTS):
+    if end.outcome is Outcome.CYCLE and (end.certified or end.reason in (Reason.PARTS, Reason.COGS)):
         audit(one, found)
     label = f"{end.outcome.name.lower()}{'' if end.certified else ', not proven'}"
     return Verdict(label, min(len(seen), len(found.samples)), settled, cycles, largest)

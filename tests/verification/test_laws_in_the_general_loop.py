@@ -85,6 +85,8 @@ def check_orbit(one: Drawn, made: Any, engine: LawEngine, orbit: Attractor) -> t
     states, between_counts = run(engine, made, state, orbit.line, n)
     seen = states[:, 0]
     z = to_si(knob, control, state, bodies)
+    if bodies.cogs:  # a proven cycle is on one slope
+        bodies = bodies.on(bodies.slope(z[0]))
     detections = (one.scene.get("controller") or {}).get("detections", 1)
     counts = [[(mp.mpf(float(count)) + control.offset) * control.quantum for count in row] for row in between_counts]
     if control.hysteresis:

@@ -3,6 +3,7 @@
 - `body`, `controller` (encoder and wall), `torque_table`, `jitter` of the sample clock: the scene in numbers
 - `advance` from event to event, `hysteresis` of the count on the way
 - `teeth` of a gear, one mode of their motion, `flanks` from mode to mode
+- `cogging` on one slope, `slopes` from slope to slope, `cog_rest` on one
 - `period_map` the proof, `powers` of its derivative
 - `inner_region` rest that is never reached
 - `parting` of nearby motions, where they do not repeat

@@ -5,10 +5,12 @@ round or is held, until the other torques exceed the friction level.
 """
 
 from hknob_cli.engine.general.body import acceleration, rate_of
+from hknob_cli.engine.general.cogging import has_cogs
 from hknob_cli.engine.general.columns import spread_many, spread_two, turn_round
 from hknob_cli.engine.general.flanks import play_columns, play_many
 from hknob_cli.engine.general.slide_many import slide_many, stretch
 from hknob_cli.engine.general.slide_two import coefficients, step_with_friction, until_zero, way
+from hknob_cli.engine.general.slopes import cog_columns, cog_many
 
 FREE = 2  # mode of a motion whose turning points do not matter
 
@@ -47,6 +49,9 @@ def rub_many(z, u, span, body, pad):
 
 def advance_span(z, u, span, body, pad):
     """Move ``z`` over any time up to a sample period, friction or not."""
+    if has_cogs(body.cogs):
+        cog_many(body.cogs, z, u, span, body, pad)
+        return
     if body.order > 2:
         rub_many(z, u, span, body, pad)
         return
@@ -85,10 +90,13 @@ def rub_columns(z, u, span, s, g, f, body, pad, cols, command, count, width, mar
     (s, g, f): coefficients of second order over ``span``; ``command``: where ``cols`` has the derivatives of ``u``.
     The columns follow the motion through its events (Leine & Nijmeijer 2004, sec. 7). ``marks`` keeps the least
     distance of a torque from the friction level where that decides [0], and of a velocity from zero at the end of a
-    hold [1]; `play_columns` has one more.
+    hold [1]; `play_columns` and `cog_columns` have one more.
     """
     if body.play > 0.0:
         play_columns(z, u, span, body, pad, cols, command, count, width, marks)
+        return
+    if has_cogs(body.cogs):
+        cog_columns(body.cogs, z, u, span, body, pad, cols, command, count, width, marks)
         return
     left = span
     known = left > 0.0

@@ -50,6 +50,7 @@ class Body(NamedTuple):
     vectors: Any  # CONSTANT, CONSTANT_HELD, ENTRY, (order) each; then both series, (terms) each
     play: float  # between the teeth of a gear; 0 where they cannot part
     halt: Any  # (1); above 0 where the search is to be given up, what is under way without a result
+    cogs: Any = None  # a torque of the true angle, as `cogging` has it: list or array
 
 
 HALVINGS = 53  # D down to the last bit of a sample period

@@ -15,7 +15,7 @@ from hknob_cli.engine.follow import (
     UNSETTLED,
     same_line,
 )
-from hknob_cli.engine.general.body import distance
+from hknob_cli.engine.general.cogging import far_apart, gap_apart, has_cogs
 from hknob_cli.engine.general.controller import command, depth_level, inside, read, read_after
 from hknob_cli.engine.general.inner_region import stands
 from hknob_cli.engine.general.interval import advance, advance_jittering
@@ -53,7 +53,7 @@ def captured(z, before, ring, head, body, wall, away, rows, table, states, lines
             same = same and ring[(head + j) % delay] == lines[row * delay + j]
         for j in range(n):
             away[j] = z[j] - states[row * n + j]
-        if same and distance(away, body) < margin:
+        if same and far_apart(body.cogs, away, states[row * n], body) < margin:
             return row
     return -1
 
@@ -70,7 +70,7 @@ def closes_in(z, before, ring, head, period, gap, body, wall, space):
     """Whether a trial that came back to within ``gap`` has the same readings again, and comes no less close.
 
     Motions with the same readings never part, so a candidate period that fails is none; this is cheaper than a proof.
-    Where teeth part, motions may part for a while, too, and only the readings are compared.
+    Where teeth part, or beside cogging, motions may part for a while, too, and only the readings are compared.
     ``space.trail`` has the readings of the period that led here, as far as it reaches.
     """
     n = body.order
@@ -78,7 +78,7 @@ def closes_in(z, before, ring, head, period, gap, body, wall, space):
         space.state[j] = z[j]
     for j in range(len(ring)):
         space.line[j] = ring[j]
-    plain = n == 2 and len(ring) == 0 and body.friction > 0.0 and wall.hysteresis == 0.0
+    plain = n == 2 and len(ring) == 0 and body.friction > 0.0 and wall.hysteresis == 0.0 and not has_cogs(body.cogs)
     for k in range(period):
         if body.halt[0] > 0.0:
             return False
@@ -94,7 +94,7 @@ def closes_in(z, before, ring, head, period, gap, body, wall, space):
             before, head = advance(space.state, before, space.line, head, body, wall, space.pad)
     for j in range(n):
         space.away[j] = space.state[j] - z[j]
-    return body.play > 0.0 or distance(space.away, body) <= gap
+    return body.play > 0.0 or has_cogs(body.cogs) or gap_apart(body.cogs, space.away, body) <= gap
 
 
 def contracts_to_rest(z, shown, before, ring, head, body, wall, space):
@@ -196,7 +196,7 @@ def follow_trial(
             if have:
                 for j in range(n):
                     space.away[j] = z[j] - check[j]
-                gap = distance(space.away, body)
+                gap = gap_apart(body.cogs, space.away, body)
                 if gap < tolerance and (wall.analog > 0.0 or same_line(ring, head, checkring, chead)):
                     status, margin = DIFFERENT, 0.0
                     known = wall.analog == 0.0 and has_period(since, rows, table)
@@ -233,7 +233,7 @@ def follow_trial(
                         if status == PARTS:
                             for j in range(n):
                                 space.away[j] = z[j] - keep[j]
-                            if distance(space.away, body) < BESIDE:
+                            if gap_apart(body.cogs, space.away, body) < BESIDE:
                                 for j in range(n):
                                     z[j] = keep[j]
                                 for j in range(delay):
@@ -244,7 +244,7 @@ def follow_trial(
                     if status == NOT_CAPTURED:
                         for j in range(n):
                             space.away[j] = z[j] - space.orbit[j]
-                        away = distance(space.away, body)
+                        away = gap_apart(body.cogs, space.away, body)
                         tolerance = gap * min(1.0, 0.9 * margin / away) if away > 0.0 else 0.5 * gap
                     elif status == DIFFERENT and gap == 0.0:
                         tolerance = FIRST_TOLERANCE
@@ -262,7 +262,13 @@ def follow_trial(
         since += 1
         if jitters(wall.clock):
             before, head = advance_jittering(z, before, ring, head, body, wall, space.pad)
-        elif body.order == 2 and delay == 0 and body.friction > 0.0 and wall.hysteresis == 0.0:
+        elif (
+            body.order == 2
+            and delay == 0
+            and body.friction > 0.0
+            and wall.hysteresis == 0.0
+            and not has_cogs(body.cogs)
+        ):
             u = command(shown, before, wall)
             z[0], z[1] = step_with_friction(x, z[1], u, 1.0, body.s2, body.g2, body.f2, body)
             before = shown

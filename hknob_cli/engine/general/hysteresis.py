@@ -7,9 +7,11 @@ the count is taken at each of its turning points, which are exact.
 
 from hknob_cli.engine.general.advance import FREE, advance_hold, next_mode, slide
 from hknob_cli.engine.general.body import HALVES, HALVINGS, acceleration, distance, rate_of
+from hknob_cli.engine.general.cogging import TURNED, cog_rate, far_apart, has_cogs, roll, room_on, slope_at
 from hknob_cli.engine.general.controller import edge_gap, read_after
 from hknob_cli.engine.general.flanks import pass_end, play_many
 from hknob_cli.engine.general.slide_two import way
+from hknob_cli.engine.general.slopes import cog_many, pass_on, way_from
 from hknob_cli.engine.general.teeth import direction, flank, flank_room, press, pressing, teeth_rate
 
 STILL = 1e-11  # counts, relative: what moves by less has settled, and meets a velocity of 0 at every rounding
@@ -72,6 +74,34 @@ def turn_teeth(z, u, span, shown, body, wall, pad):
     return shown, margin
 
 
+def turn_on_cogs(cogs, z, u, span, shown, body, wall, pad):
+    """As `turn_and_count`, from corner to corner."""
+    if cogs is None:
+        return shown, float("inf")
+    left, margin = span, float("inf")
+    slope = slope_at(z[0], cogs)
+    cog_rate(z, u, slope, FREE, body, pad)
+    moved = far_apart(cogs, pad, z[0], body) * span  # its rates are a motion without a torque
+    if body.friction == 0.0 and moved <= STILL * (1.0 + abs(z[0])) and moved < room_on(z[0], slope, cogs):
+        margin = edge_gap(z[0], shown, shown, wall) - moved
+        cog_many(cogs, z, u, span, body, pad)
+        return shown, margin
+    mode = way_from(z, u, slope, body)
+    fresh = mode != 0 and z[1] == 0.0
+    while left > 0.0:
+        t, end = roll(z, u, slope, mode, left, fresh, body, pad)
+        left -= t
+        if end == 0:
+            break
+        if end == TURNED and mode != 0:
+            before = shown
+            shown = read_after(z[0], before, wall)
+            margin = min(margin, edge_gap(z[0], shown, before, wall))
+        slope, mode = pass_on(z, u, slope, mode, end, body)
+        fresh = True
+    return shown, margin
+
+
 def turn_and_count(z, u, span, shown, body, wall, pad):
     """Move ``z`` over a hold from event to event: ``(count after the last turning point, margin)``.
 
@@ -79,6 +109,8 @@ def turn_and_count(z, u, span, shown, body, wall, pad):
     """
     if body.play > 0.0:
         return turn_teeth(z, u, span, shown, body, wall, pad)
+    if has_cogs(body.cogs):
+        return turn_on_cogs(body.cogs, z, u, span, shown, body, wall, pad)
     left, margin = span, float("inf")
     moved = way_at_most(z, u, span, body, pad)
     if moved <= STILL * (1.0 + abs(z[0])):

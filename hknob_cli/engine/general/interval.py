@@ -2,11 +2,13 @@
 
 from hknob_cli.engine.general.advance import advance_hold, advance_span, rub_columns, rub_many
 from hknob_cli.engine.general.body import FIRST, SECOND
+from hknob_cli.engine.general.cogging import has_cogs
 from hknob_cli.engine.general.columns import feed
 from hknob_cli.engine.general.controller import command, read_after
 from hknob_cli.engine.general.hysteresis import hold_and_count, turn_and_count
 from hknob_cli.engine.general.jitter import jitters, next_span
 from hknob_cli.engine.general.slide_two import step_with_friction
+from hknob_cli.engine.general.slopes import cog_many
 
 
 def hold(z, u, ring, head, body, wall, pad):
@@ -18,7 +20,11 @@ def hold(z, u, ring, head, body, wall, pad):
         ring[head] = u
         head = (head + 1) % delay
         u = ring[head]
-    if body.order == 2:
+    if has_cogs(body.cogs):
+        if wall.split > 0.0:
+            cog_many(body.cogs, z, older, wall.split, body, pad)
+        cog_many(body.cogs, z, u, 1.0 - wall.split, body, pad)
+    elif body.order == 2:
         x, v = z[0], z[1]
         if body.friction > 0.0:
             if wall.split > 0.0:
@@ -85,7 +91,7 @@ def pass_over(z, before, ring, head, samples, limit, body, wall, pad):
             if not -limit < z[0] < limit or body.halt[0] > 0.0:
                 break
         return before, head
-    if body.order > 2 or body.friction == 0.0 or delay > 0 or wall.hysteresis > 0.0:
+    if body.order > 2 or body.friction == 0.0 or delay > 0 or wall.hysteresis > 0.0 or has_cogs(body.cogs):
         for _ in range(samples):
             before, head = advance(z, before, ring, head, body, wall, pad)
             if not -limit < z[0] < limit or body.halt[0] > 0.0:

@@ -6,13 +6,15 @@ same commands, and the energy of their difference never grows, friction or not. 
 than any sample of it is to an edge has the same readings for ever; the derivative says that it then converges. With a
 continuous sensor the command follows the motion, and the growth of a difference is bounded by the derivative's powers.
 Teeth with play keep that energy while they stay on one flank, which is one more margin; where they part it may grow,
-and the derivative alone says that nearby motions come closer: that is no proof.
+and the derivative alone says that nearby motions come closer: that is no proof. So it is with cogging, whose corners
+are such a margin, as long as the springs of one slope hold the knob.
 """
 
 from typing import Any, NamedTuple
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
-from hknob_cli.engine.general.body import distance, norm, stiffness
+from hknob_cli.engine.general.body import norm, stiffness
+from hknob_cli.engine.general.cogging import ROOT, SIZE, cog_number, far_apart, has_cogs
 from hknob_cli.engine.general.controller import command, count_gap, edge_gap, inside, read, read_after, table_size
 from hknob_cli.engine.general.hysteresis import hold_and_count
 from hknob_cli.engine.general.interval import advance_columns
@@ -21,7 +23,7 @@ from hknob_cli.engine.general.teeth import flank_room
 
 AT_EVENT = 5  # a standstill of the motion could, within rounding, go another way
 EXPANDS = 6  # the period map does not contract
-PARTS = 7  # teeth part within the period: its map contracts to first order
+PARTS = 7  # teeth part within the period, or cogging does not hold the knob: its map contracts to first order
 NEWTON_STEPS = 8
 LEAST_SCALE = 1e-3  # of speeds against positions, in a norm of differences; a rest point has no speed
 
@@ -82,7 +84,7 @@ def turn(before, ring, head, period, body, wall, space, m):
     for i in range(3):
         space.marks[i] = float("inf")
     margin, edge = float("inf"), float("inf")
-    reach, pace = 0.0, 0.0
+    reach, pace = cog_number(body.cogs, SIZE), 0.0
     first = head
     for _ in range(period):
         x = space.state[0]
@@ -204,13 +206,15 @@ def certify(z, before, ring, head, period, body, wall, space):
         space.away[i] = total
     bound = space.away[0]
     scale = max(pace / (reach + pace), LEAST_SCALE) if pace > 0.0 else 1.0
-    if wall.analog == 0.0 and body.reach < float("inf"):
-        bound = max(bound, distance(space.away, body))  # at every sample of the period, not only at the first
+    far = far_apart(body.cogs, space.away, space.orbit[0], body)
+    if wall.analog == 0.0 and (has_cogs(body.cogs) or body.reach < float("inf")) and far < float("inf"):
+        bound = max(bound, far)  # at every sample of the period, not only at the first
     if body.friction > 0.0:
         # A difference of speeds, and of torques, that the error allows at any time: its energy does not grow.
-        speed = norm(space.away, body)
+        root = cog_number(body.cogs, ROOT)
+        speed = norm(space.away, body) + root * space.away[0]
         late = space.away[n - 1] if body.lag > 0.0 else 0.0
-        if not (space.marks[0] > 2.0 * (stiffness(body) * speed + late) and space.marks[1] > speed):
+        if not (space.marks[0] > 2.0 * ((stiffness(body) + root) * speed + late) and space.marks[1] > speed):
             return AT_EVENT, margin, edge, closure, bound
     parts = False
     if body.play > 0.0:
@@ -218,6 +222,10 @@ def certify(z, before, ring, head, period, body, wall, space):
         parts = not room > bound
         if not parts:
             margin = min(margin, room)
+    if has_cogs(body.cogs):
+        parts = not (space.marks[2] > bound and far < float("inf"))
+        if not parts:
+            margin = min(margin, space.marks[2])
     if not margin > bound:
         return ON_EDGE, margin, edge, closure, bound
     if not dissipates(space.cols, width, space.power, space.spare, m, scale, period):
@@ -229,7 +237,7 @@ def certify(z, before, ring, head, period, body, wall, space):
     for i in range(n):
         space.residual[i] = z[i] - space.orbit[i]
     if wall.analog == 0.0:
-        if not distance(space.residual, body) + bound < margin:
+        if not far_apart(body.cogs, space.residual, space.orbit[0], body) + bound < margin:
             return NOT_CAPTURED, margin, edge, closure, bound
         return PROVEN, margin, edge, closure, bound
     if body.friction > 0.0:

@@ -27,6 +27,7 @@ from hknob_cli.engine.attractors import (
 from hknob_cli.engine.budget import FINEST, TrialBudget, sample_limit, settling_samples, trial_scale
 from hknob_cli.engine.general import ensemble, parting, trace
 from hknob_cli.engine.general.body import Body
+from hknob_cli.engine.general.cogging import PEAK, cog_number
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, CYCLE_PARTS, FIELDS
 from hknob_cli.engine.general.jitter import TRIAL
@@ -92,8 +93,9 @@ def torque_range(wall: Controller) -> TorqueRange:
 class PeriodSegments:
     """One period, piece by piece between events; ``m`` pieces, order ``n``.
 
-    ``spans`` (m): length; ``modes`` (m): +1, -1 sliding, 0 held; with teeth that part as `flanks.kind_of` has them;
-    ``commands`` (m): command acting; ``states`` (m + 1, n): state at the start of each piece and at the end.
+    ``spans`` (m): length; ``modes`` (m): +1, -1 sliding, 0 held; with teeth that part as `flanks.kind_of`, beside
+    cogging as `slopes.cog_chart` has them; ``commands`` (m): command acting; ``states`` (m + 1, n): state at the start
+    of each piece and at the end.
     """
 
     def __init__(self, spans: Array, modes: Array, commands: Array, states: Array) -> None:
@@ -173,7 +175,8 @@ class GeneralEngine(Runner):
         if not scale < FINEST:
             return Search(attractors=(whole(Outcome.UNDECIDED, Reason.TOO_FINE, phases),), samples=0)
         loose = spring == 0.0 and body.ratio == 0.0
-        if loose and (over.most + body.friction < body.push or body.push + body.friction < over.least):
+        least = body.friction + cog_number(body.cogs, PEAK)  # that can hold the knob
+        if loose and (over.most + least < body.push or body.push + least < over.least):
             return Search(attractors=(whole(Outcome.DIVERGED, Reason.LEAVES, phases),), samples=0)
         spins = loose and over.turn > 0.0
         far = scale + PASSED * over.turn + abs(start[1]) / body.alpha if spins and body.alpha > 0.0 else 1e6 * scale
@@ -232,7 +235,8 @@ class GeneralEngine(Runner):
                 [float(value) for value in trial.lines[row * delay_line : (row + 1) * delay_line]],
                 why,
                 grew,
-                keep=body.play > 0.0 or wall.clock is not None,
+                parts=Reason.PARTS if body.cogs is None else Reason.COGS,
+                keep=body.play > 0.0 or body.cogs is not None or wall.clock is not None,
             )
             for row in range(rows)
         ]
@@ -282,10 +286,12 @@ def attractor_of(
     unrepeated: Reason,
     grew: Reason = Reason.GREW,
     *,
+    parts: Reason = Reason.PARTS,
     keep: bool = False,
 ) -> Attractor:
     """Attractor from a row of the kernel's tables; why one's levels never repeated, and why it went past the limit.
 
+    ``parts``: why a cycle is not proven whose motion is not that of one flank, or slope.
     ``keep``: whether an undecided end has the state of the first trial in it, to be followed further.
     """
     fate, n, margin, edge, closure, bound, trials, least, most, before = (float(value) for value in row)
@@ -294,6 +300,8 @@ def attractor_of(
         reason = unrepeated
     elif reason is Reason.GREW:
         reason = grew
+    elif reason is Reason.PARTS:
+        reason = parts
     if int(n) == 0:
         found = whole(outcome, reason, trials)
         if keep and outcome is Outcome.UNDECIDED:

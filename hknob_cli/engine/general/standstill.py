@@ -4,6 +4,8 @@ from math import sqrt
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import acceleration, coil_at, distance
+from hknob_cli.engine.general.cog_rest import keeps_to_slope, settles_free
+from hknob_cli.engine.general.cogging import PEAK, cog_number, cog_pull, has_cogs
 from hknob_cli.engine.general.controller import command, edge_gap, goes_on
 from hknob_cli.engine.general.inner_region import ROUNDINGS, come_to_rest, keeps_reading
 from hknob_cli.engine.general.teeth import flank_room, held_in_teeth
@@ -27,13 +29,14 @@ def stays_held(z, u, body):
         return False
     if body.play > 0.0:
         return held_in_teeth(z, u, body)
+    cogged = cog_pull(body.cogs, z[0])
     if body.order == 2:
-        return abs(acceleration(z, u, body)) <= body.friction
+        return abs(acceleration(z, u, body) + cogged) <= body.friction
     late = abs(z[body.order - 1] - u) if body.lag > 0.0 else 0.0
     if body.coil > 0.0:
         late += body.coil * abs(z[coil_at(body)])
     if body.ratio == 0.0:
-        now = body.drive + u - body.beta * z[0]
+        now = body.drive + u - body.beta * z[0] + cogged
         return abs(now) + late <= body.friction
     if body.finger_damping + body.pad_damping == 0.0:
         return False
@@ -43,7 +46,7 @@ def stays_held(z, u, body):
     d = (body.finger_stiffness * z[0] + body.finger_stiffness * body.shift) / stiff
     energy = sqrt(z[3] * z[3] / body.ratio + stiff / body.ratio * (z[2] - d) * (z[2] - d))
     swing = (body.pad_damping * sqrt(body.ratio) + body.pad_stiffness * sqrt(body.ratio / stiff)) * energy
-    return abs(u - body.push - body.pad_stiffness * d) + swing + late <= body.friction
+    return abs(u + cogged - body.push - body.pad_stiffness * d) + swing + late <= body.friction
 
 
 def runs_off(z, u, shown, body, wall):
@@ -51,7 +54,7 @@ def runs_off(z, u, shown, body, wall):
     if not is_there(wall.table) or body.order > 2 or body.beta > 0.0:
         return False
     pull = u - body.push
-    return abs(pull) > body.friction and pull * z[1] > 0.0 and goes_on(z[1], shown, wall)
+    return abs(pull) > body.friction + cog_number(body.cogs, PEAK) and pull * z[1] > 0.0 and goes_on(z[1], shown, wall)
 
 
 def rest_rounding(z, rest, u, body):
@@ -81,6 +84,9 @@ def settles(z, shown, before, ring, body, wall, orbit, away):
         return LEAVES, gap
     if body.friction > 0.0:
         if not stays_held(z, u, body):
+            if has_cogs(body.cogs):
+                keeps, gap = keeps_to_slope(body.cogs, z, u, shown, 0.0, 0.0, body, wall, orbit, away)
+                return (SETTLING if keeps else MOVING), gap
             keeps, gap = keeps_reading(z, shown, u, body, wall, len(ring), orbit, away)
             if keeps:
                 come_to_rest(z, shown, u, body, wall, orbit)
@@ -88,6 +94,8 @@ def settles(z, shown, before, ring, body, wall, orbit, away):
         if wall.analog > 0.0 and shown < 0.0:
             return AT_REST, gap
         return (AT_REST if gap > ROUNDINGS * EPSILON * (1.0 + abs(z[0])) else REST_ON_EDGE), gap
+    if has_cogs(body.cogs):
+        return settles_free(body.cogs, z, u, shown, 0.0, 0.0, body, wall, orbit, away)
     if wall.analog > 0.0 and shown < 0.0:
         return MOVING, gap
     drive = u - body.push

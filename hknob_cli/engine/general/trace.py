@@ -4,11 +4,13 @@ from typing import Any, NamedTuple
 
 from hknob_cli.engine.general.advance import next_mode, slide
 from hknob_cli.engine.general.body import acceleration
+from hknob_cli.engine.general.cogging import has_cogs
 from hknob_cli.engine.general.controller import command, read_after
 from hknob_cli.engine.general.flanks import play_chart
 from hknob_cli.engine.general.interval import advance, advance_jittering
 from hknob_cli.engine.general.jitter import begin_clock, jitters, next_span
 from hknob_cli.engine.general.slide_two import way
+from hknob_cli.engine.general.slopes import cog_chart
 
 
 def run(z, before, ring, head, samples, body, wall, pad, states, torques):
@@ -51,6 +53,8 @@ def chart(z, u, span, body, pad, rows, pieces):
     """
     if body.play > 0.0:
         return play_chart(z, u, span, body, pad, rows, pieces)
+    if has_cogs(body.cogs):
+        return cog_chart(body.cogs, z, u, span, body, pad, rows, pieces)
     n = body.order
     left = span
     mode = way(z[1], acceleration(z, u, body), body.friction)

@@ -21,6 +21,7 @@ from hknob_cli.scene.general_knob import GeneralKnob, sample_general
 from hknob_cli.scene.unsampled_knob import reduce_unsampled
 from hknob_cli.specs.capabilities import TRIALS, engine_of
 from hknob_cli.specs.cells import cells_of
+from hknob_cli.specs.motor import Cogging
 from hknob_cli.specs.plan import (
     COUNTS,
     RATE,
@@ -145,10 +146,12 @@ def _push(scene: Scene, cell: Cell) -> float:
 
 
 def energy(scene: Scene, push: float, one: Instant) -> float:
-    """Energy of the masses, of the hand's springs and of the push into the wall, J; the wall has none."""
+    """Energy of the masses, of the hand's springs, of cogging and of the push into the wall, J; the wall has none."""
     hand = scene.hand or Hand()
     total = 0.5 * (scene.knob.inertia + hand.inertia) * one.velocity**2
     total += push * (one.finger if scene.behind else one.angle)
+    if scene.cogging:
+        total += _stored_by_cogs(scene.cogging, one.angle)
     if hand.finger and hand.fingerpad:
         total += 0.5 * hand.finger.inertia * one.finger_velocity**2 + 0.5 * hand.finger.stiffness * one.finger**2
         twist = one.angle - one.finger
@@ -156,6 +159,15 @@ def energy(scene: Scene, push: float, one: Instant) -> float:
             twist = max(twist, 0.0, -(twist + scene.play))
         return total + 0.5 * hand.fingerpad.stiffness * twist**2
     return total + 0.5 * hand.stiffness * one.angle**2
+
+
+def _stored_by_cogs(cogging: Cogging, angle: float) -> float:
+    """Energy of cogging at an angle, J; 0 at a place of rest."""
+    slope = 2.0 * cogging.torque * cogging.per_revolution / np.pi  # of the torque, N*m/rad
+    apart = 2.0 * np.pi / cogging.per_revolution
+    away = abs((angle - cogging.centre + 0.5 * apart) % apart - 0.5 * apart)
+    beyond = max(away - 0.25 * apart, 0.0)
+    return float(0.5 * slope * away**2 - slope * beyond**2)
 
 
 def pulsed(body: Body, torque: float, *, behind: bool = False) -> Body:

@@ -36,7 +36,7 @@ from hknob_cli.results.columns import (
 from hknob_cli.scene.sampled_cells import hands_of
 from hknob_cli.scene.torque_over_angle import is_shaped
 from hknob_cli.specs.cells import WHOLE
-from hknob_cli.specs.plan import COUNTS, PERSON, SweepPlan, knob_counts, may_jitter, may_part, may_yield, scene_at
+from hknob_cli.specs.plan import COUNTS, PERSON, SweepPlan, knob_counts, may_jitter, may_roam, may_yield, scene_at
 from hknob_cli.stages.sweep.cell import CellResult, may_bounce
 from hknob_cli.stages.sweep.every_start import INCOMPLETE, why_incomplete
 
@@ -136,7 +136,7 @@ def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
     more: dict[str, list[Any]] = {}
     if may_bounce(plan):
         columns, more = (*CELLS, *GROWTH), _growth(results)
-    for has, some, name in ((may_part, RATTLE, "rattle_p2p_rad"), (may_jitter, JITTER_MAX, "jitter_p2p_rad")):
+    for has, some, name in ((may_roam, RATTLE, "rattle_p2p_rad"), (may_jitter, JITTER_MAX, "jitter_p2p_rad")):
         if has(plan):
             every = [[getattr(one, name) for one in result.measures] for result in results]
             columns, more = (*columns, *some), more | {some[0].name: [float(np.fmax.reduce(one)) for one in every]}
@@ -173,7 +173,7 @@ def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
 
 def orbits_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
     """One row per attractor."""
-    parts = ((FRICTION, _has_friction), (BEHIND, may_yield), (PLAY, may_part), (JITTER, may_jitter))
+    parts = ((FRICTION, _has_friction), (BEHIND, may_yield), (PLAY, may_roam), (JITTER, may_jitter))
     columns: tuple[Column, ...] = (*ORBITS, *(one for some, has in parts if has(plan) for one in some))
     more: dict[str, list[Any]] = {}
     if not plan.scene.sampled:

@@ -196,8 +196,8 @@ def test_a_mean_that_hardly_moves_divides_by_nothing() -> None:
 
 def test_torques_push_nowhere_without_a_difference() -> None:
     _, cell = made({"kind": "bounded_lag"}, hand={"stiffness": 0.0})
-    assert pushed_apart(0.0, cell.knob.body) == 0.0
-    assert pushed_apart(1.0, cell.knob.body) == pytest.approx(1.0 / cell.knob.body.alpha)
+    assert pushed_apart(0.0, 0.0, cell.knob.body) == 0.0
+    assert pushed_apart(1.0, 0.0, cell.knob.body) == pytest.approx(1.0 / cell.knob.body.alpha)
 
 
 def test_what_reads_the_velocity_beside_friction_is_labelled() -> None:

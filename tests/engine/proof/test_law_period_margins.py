@@ -494,7 +494,7 @@ def test_a_trial_is_captured_within_the_margin(form: str) -> None:
         near = prove(stage, law, one=one, z=z, past=moved(by), unit=EPSILON)
         assert near.status == PROVEN
         off = [x - y for x, y in zip(z, near.space.orbit, strict=True)]
-        limit = apart(off, moved(by), law.periodic, one, law) + near.bound
+        limit = apart(off, near.space.orbit[0], moved(by), law.periodic, one, law) + near.bound
         assert limit > 0.4
         for margin, status in ((limit, NOT_CAPTURED), (nextafter(limit, inf), PROVEN)):
             found = prove(stage._replace(margin=margin), law, one=one, z=z, past=moved(by), unit=EPSILON)

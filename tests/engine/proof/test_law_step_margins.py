@@ -158,7 +158,7 @@ def test_a_piece_moves_under_its_own_torque(
     monkeypatch.setattr(step, "step_with_friction", lambda *given: told.append(("two", *given)) or (8.0, 9.0))
     monkeypatch.setattr(step, "rub_many", lambda *given: told.append(("many", *given)))
     monkeypatch.setattr(step, "advance_hold", lambda *given: told.append(("hold", *given)))
-    body: Any = SimpleNamespace(order=order, friction=friction, play=play, drive=0.5, beta=2.0)
+    body: Any = SimpleNamespace(order=order, friction=friction, play=play, cogs=None, drive=0.5, beta=2.0)
     for piece, u in ((0, 3.0), (1, 4.0)):
         z, law = [1.5, -2.0], law_of(sched=pieces())
         move_piece(z, PAST, piece, body, law, "pad")

@@ -364,19 +364,19 @@ def test_torques_part_by_a_geometric_sum_and_by_those_under_way() -> None:
 def test_torques_push_as_far_as_what_holds_the_knob_allows() -> None:
     """A spring of a quarter; without one, a damper of one half; friction keeps to the spring."""
     held, free = body(beta=0.25), body(alpha=0.5, beta=0.0)
-    assert pushed_apart(0.5, held) == 1.0
-    assert pushed_apart(0.5, free) == 1.0
-    assert pushed_apart(0.5, free._replace(alpha=0.0)) == inf
-    assert pushed_apart(0.0, free._replace(alpha=0.0)) == 0.0
-    assert pushed_apart(0.5, free._replace(friction=1.0)) == inf
-    assert pushed_apart(0.5, free._replace(order=3, reach=4.0)) == 2.0
+    assert pushed_apart(0.5, 0.0, held) == 1.0
+    assert pushed_apart(0.5, 0.0, free) == 1.0
+    assert pushed_apart(0.5, 0.0, free._replace(alpha=0.0)) == inf
+    assert pushed_apart(0.0, 0.0, free._replace(alpha=0.0)) == 0.0
+    assert pushed_apart(0.5, 0.0, free._replace(friction=1.0)) == inf
+    assert pushed_apart(0.5, 0.0, free._replace(order=3, reach=4.0)) == 2.0
     past, other = [1.0, 2.0, 3.0, 7.0, 5.0, 6.0], [1.0, 2.5, 3.0, 9.0, 5.5, 5.75]
-    assert apart([0.75, 0.5], past, other, held, FADING) == 1.25 + 2.0
-    assert unlike([0.75, 0.5], past, other, held, FADING) == 1.25 + 2.0
-    assert unlike([0.75, 0.5], past, [2.0, *other[1:]], held, FADING) == inf
+    assert apart([0.75, 0.5], 0.0, past, other, held, FADING) == 1.25 + 2.0
+    assert unlike([0.75, 0.5], 0.0, past, other, held, FADING) == 1.25 + 2.0
+    assert unlike([0.75, 0.5], 0.0, past, [2.0, *other[1:]], held, FADING) == inf
     loose = law_of(line=1, provable=False)
-    assert unlike([0.75, 0.5], [1.0], [1.0 + 1e-9], held, loose) == 1.25
-    assert unlike([0.75, 0.5], [1.0], [1.0 + 1e-7], held, loose) == inf
+    assert unlike([0.75, 0.5], 0.0, [1.0], [1.0 + 1e-9], held, loose) == 1.25
+    assert unlike([0.75, 0.5], 0.0, [1.0], [1.0 + 1e-7], held, loose) == inf
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

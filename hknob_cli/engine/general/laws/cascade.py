@@ -2,7 +2,7 @@
 
 from math import inf, sqrt
 
-from hknob_cli.engine.general.body import distance
+from hknob_cli.engine.general.cogging import far_apart, has_cogs, reach_on
 from hknob_cli.engine.general.laws.law import PAIR_ACROSS, PAIR_NORM
 
 
@@ -84,15 +84,23 @@ def torques_apart(past, other, law):
     return total
 
 
-def pushed_apart(total, body):
-    """Bound on the distance in position to which torques that differ by ``total`` in all can push two motions."""
+def pushed_apart(total, x, body):
+    """Bound on the distance in position to which torques that differ by ``total`` in all can push two motions.
+
+    ``x``: where they are, which matters beside cogging.
+    """
     if total == 0.0:
         return 0.0
+    if has_cogs(body.cogs):
+        return reach_on(body.cogs, x, body) * total
     if body.order == 2 and body.beta == 0.0 and body.friction == 0.0:
         return total / body.alpha if body.alpha > 0.0 else inf
     return body.reach * total
 
 
-def apart(dz, past, other, body, law):
-    """Bound on how far apart in position two motions with the same readings get, by differences ``dz`` and memory."""
-    return distance(dz, body) + pushed_apart(torques_apart(past, other, law), body)
+def apart(dz, x, past, other, body, law):
+    """Bound on how far apart in position two motions with the same readings get, by differences ``dz`` and memory.
+
+    ``x``: where the motion is that they are compared with.
+    """
+    return far_apart(body.cogs, dz, x, body) + pushed_apart(torques_apart(past, other, law), x, body)

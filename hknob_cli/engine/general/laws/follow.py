@@ -13,7 +13,7 @@ from hknob_cli.engine.follow import (
     UNDAMPED,
     UNSETTLED,
 )
-from hknob_cli.engine.general.body import distance
+from hknob_cli.engine.general.cogging import gap_apart
 from hknob_cli.engine.general.controller import depth_level, read_after
 from hknob_cli.engine.general.follow import (
     BESIDE,
@@ -89,23 +89,23 @@ def captured_with_law(z, past, body, law, away, rows, table, states, pasts):
             continue
         for j in range(n):
             away[j] = z[j] - states[row * n + j]
-        if apart(away, past, law.beside, body, law) < margin:
+        if apart(away, states[row * n], past, law.beside, body, law) < margin:
             return row
     return -1
 
 
-def unlike(dz, past, other, body, law):
+def unlike(dz, x, past, other, body, law):
     """How far a trial is from where it was; beyond any tolerance where what is counted differs."""
     if not law.provable:
-        return distance(dz, body) if nearly_same(past, other, law, REPEATS) else float("inf")
+        return gap_apart(body.cogs, dz, body) if nearly_same(past, other, law, REPEATS) else float("inf")
     if not same_count(past, other, law):
         return float("inf")
-    return distance(dz, body) + pushed_apart(torques_apart(past, other, law), body)
+    return gap_apart(body.cogs, dz, body) + pushed_apart(torques_apart(past, other, law), x, body)
 
 
 def came_back(dz, past, other, within, body, law):
     """Whether a motion is where it was 64 samples before, by its difference ``dz``: it has come to a standstill."""
-    return distance(dz, body) <= within and nearly_same(past, other, law, REPEATS)
+    return gap_apart(body.cogs, dz, body) <= within and nearly_same(past, other, law, REPEATS)
 
 
 def follow_with_law(
@@ -181,7 +181,7 @@ def follow_with_law(
             if have:
                 for j in range(n):
                     space.away[j] = z[j] - check[j]
-                gap = unlike(space.away, past, checkpast, body, law)
+                gap = unlike(space.away, x, past, checkpast, body, law)
                 if gap < tolerance:
                     status, margin = DIFFERENT, 0.0
                     waits = law.provable and not law.senses and gap > 0.0 and left_alone < PATIENCE
@@ -202,7 +202,7 @@ def follow_with_law(
                         copy_to(keeppast, law.periodic)
                         for j in range(n):
                             space.away[j] = z[j] - keep[j]
-                        beside = status == PARTS and unlike(space.away, past, keeppast, body, law) < BESIDE
+                        beside = status == PARTS and unlike(space.away, x, past, keeppast, body, law) < BESIDE
                         if beside or (not law.provable and (wall.analog == 0.0 or gap <= CLOSE * (1.0 + abs(x)))):
                             copy_to(z, keep)
                             copy_to(past, keeppast)
@@ -212,7 +212,7 @@ def follow_with_law(
                     if status == NOT_CAPTURED and not law.senses:
                         for j in range(n):
                             space.away[j] = z[j] - space.orbit[j]
-                        away = apart(space.away, past, law.periodic, body, law)
+                        away = apart(space.away, space.orbit[0], past, law.periodic, body, law)
                         tolerance = gap * min(1.0, 0.9 * margin / away) if away > 0.0 else 0.5 * gap
                     elif status == DIFFERENT and gap == 0.0:
                         tolerance = loosest

@@ -8,7 +8,8 @@ torques of that memory. What the torques may be wrong by enters the bound on the
 from math import sqrt
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
-from hknob_cli.engine.general.body import distance, norm, stiffness
+from hknob_cli.engine.general.body import norm, stiffness
+from hknob_cli.engine.general.cogging import ROOT, SIZE, cog_number, far_apart, has_cogs, hold_stiffness, reach_on
 from hknob_cli.engine.general.controller import count_gap, edge_gap, read_after, table_size
 from hknob_cli.engine.general.laws.cascade import (
     apart,
@@ -45,7 +46,7 @@ def turn_with_law(past, period, body, wall, law, space, m):
     for i in range(3):
         space.marks[i] = float("inf")
     margin, edge, guard = float("inf"), float("inf"), FREE
-    reach, pace, strength = 0.0, 0.0, 0.0
+    reach, pace, strength = cog_number(body.cogs, SIZE), 0.0, 0.0
     anchored = law.anchor < 0
     newest = law.line + (law.ages - 1) * law.parts
     for _ in range(period):
@@ -192,7 +193,8 @@ def certify_with_law(z, past, period, body, wall, law, space):
         wrong += ROUNDINGS * EPSILON * size * period * period * (1.0 + pace)  # a sum since it began anew
     # A torque that is wrong all along moves a speed by so much at most, by energy, and a position by that over a way.
     drift = wrong * period * (1.0 + sqrt(body.ratio))
-    shift = drift * max(1.0, min(float(period), body.reach))
+    reached = reach_on(body.cogs, space.orbit[0], body)
+    shift = drift * max(1.0, min(float(period), reached))
     rounding = 8.0 * EPSILON * period * law.pieces
     for i in range(n):
         total = 0.0
@@ -202,12 +204,17 @@ def certify_with_law(z, past, period, body, wall, law, space):
             part += rounding * 2.0 * pace + drift if slow else rounding * (reach + pace) + shift
             total += abs(space.matrix[i * 2 * n + n + j]) * part
         space.away[i] = total
-    bound = distance(space.away, body) + body.reach * wrong * period  # at every sample; no end where nothing holds it
+    holds = hold_stiffness(body.cogs, space.orbit[0], body) > 0.0
+    bound = space.away[0]
+    if holds:  # at every sample; no end where nothing holds it
+        bound = far_apart(body.cogs, space.away, space.orbit[0], body) + reached * wrong * period
     scale = max(pace / (reach + pace), LEAST_SCALE) if pace > 0.0 else 1.0
     if body.friction > 0.0:
-        speed = norm(space.away, body) + wrong * period
+        root = cog_number(body.cogs, ROOT)
+        speed = norm(space.away, body) + root * space.away[0] + wrong * period
         short = space.away[n - 1] if body.lag > 0.0 else 0.0
-        if not (space.marks[0] > 2.0 * (stiffness(body) * speed + short + wrong) and space.marks[1] > speed):
+        most = 2.0 * ((stiffness(body) + root) * speed + short + wrong)
+        if not (space.marks[0] > most and space.marks[1] > speed):
             return AT_EVENT, margin, edge, closure, bound
     parts = False
     if body.play > 0.0:
@@ -215,6 +222,10 @@ def certify_with_law(z, past, period, body, wall, law, space):
         parts = not room > bound
         if not parts:
             margin = min(margin, room)
+    if has_cogs(body.cogs):
+        parts = not (holds and space.marks[2] > bound)
+        if not parts:
+            margin = min(margin, space.marks[2])
     if not margin > bound:
         return ON_EDGE, margin, edge, closure, bound
     law.room[0] = guard - worn if law.drifts < 0 else spare
@@ -226,7 +237,7 @@ def certify_with_law(z, past, period, body, wall, law, space):
         return PARTS, margin, edge, closure, bound
     for i in range(n):
         space.residual[i] = z[i] - space.orbit[i]
-    near = apart(space.residual, past, law.periodic, body, law) + bound < margin
+    near = apart(space.residual, space.orbit[0], past, law.periodic, body, law) + bound < margin
     near = near and sums_agree(past, law.periodic, law.room[0], law)
     if near and (not law.guarded or faded(past, law.periodic, law) < law.room[0]):
         return PROVEN, margin, edge, closure, bound

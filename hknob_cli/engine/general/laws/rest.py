@@ -7,6 +7,8 @@ and `general.inner_region`, the distance from a rest under that last torque cann
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import acceleration, distance
+from hknob_cli.engine.general.cog_rest import keeps_to_slope, settles_free
+from hknob_cli.engine.general.cogging import cog_pull, has_cogs
 from hknob_cli.engine.general.controller import edge_gap, table_size
 from hknob_cli.engine.general.inner_region import ROUNDINGS, hold_zone
 from hknob_cli.engine.general.laws.cascade import faded, pushed_apart, same_count, settle_faded, torques_apart
@@ -87,8 +89,11 @@ def settles_with_law(z, shown, past, body, wall, law, orbit, away):
     if not still:
         return MOVING
     n = body.order
-    push = pushed_apart(left, body)
+    push = pushed_apart(left, z[0], body)
     if body.friction == 0.0:
+        if has_cogs(body.cogs):
+            fate, _ = settles_free(body.cogs, z, u, shown, wrong, left, body, law.watch, orbit, away)
+            return fate
         if not find_balance(u, body, orbit):
             return MOVING
         for i in range(n):
@@ -103,9 +108,13 @@ def settles_with_law(z, shown, past, body, wall, law, orbit, away):
         return REST_ON_EDGE if abs(gap) <= bound and reach < 1e-6 else MOVING
     copy_to(orbit, z)
     gap = edge_gap(z[0], shown, shown, law.watch)
-    held = body.order == 2 and z[1] == 0.0 and abs(acceleration(z, u, body)) + left + wrong <= body.friction
+    cogged = cog_pull(body.cogs, z[0])
+    held = body.order == 2 and z[1] == 0.0 and abs(acceleration(z, u, body) + cogged) + left + wrong <= body.friction
     if held or (left == 0.0 and stays_held(z, u - wrong, body) and stays_held(z, u + wrong, body)):
         return AT_REST if gap > ROUNDINGS * EPSILON * (1.0 + abs(z[0])) else REST_ON_EDGE
+    if has_cogs(body.cogs):
+        keeps, _ = keeps_to_slope(body.cogs, z, u, shown, wrong, left, body, law.watch, orbit, away)
+        return SETTLING if keeps else MOVING
     if body.ratio > 0.0 and body.pad_damping + body.finger_damping == 0.0:
         return MOVING
     stiffness, low, high = hold_zone(u, shown, body, law.watch)

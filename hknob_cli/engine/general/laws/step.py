@@ -1,11 +1,13 @@
 """One sample interval under a law: sense, decide, and move from change of torque to change of torque; many of them."""
 
 from hknob_cli.engine.general.advance import advance_hold, advance_span, rub_many
+from hknob_cli.engine.general.cogging import has_cogs
 from hknob_cli.engine.general.controller import read_after, send
 from hknob_cli.engine.general.hysteresis import turn_and_count
 from hknob_cli.engine.general.jitter import begin_clock, jitters, meant_pace, next_span
 from hknob_cli.engine.general.laws.law import LOOK, MATRIX, PIECE, SPAN, TORQUE, F, G, S
 from hknob_cli.engine.general.slide_two import step_with_friction
+from hknob_cli.engine.general.slopes import cog_many
 from hknob_cli.engine.general.torque_table import command_at, is_there
 from hknob_cli.engine.general.trace import chart
 
@@ -74,7 +76,9 @@ def move_piece(z, past, piece, body, law, pad):
     """Move ``z`` over one piece of an interval."""
     at = piece * PIECE
     u = past[int(law.sched[at + TORQUE])]
-    if body.order == 2:
+    if has_cogs(body.cogs):
+        cog_many(body.cogs, z, u, law.sched[at + SPAN], body, pad)
+    elif body.order == 2:
         s, g, f = law.sched[at + S], law.sched[at + G], law.sched[at + F]
         if body.friction > 0.0:
             z[0], z[1] = step_with_friction(z[0], z[1], u, law.sched[at + SPAN], s, g, f, body)
