@@ -3,6 +3,7 @@
 import pytest
 
 from hknob_cli.engine.general.jitter import (
+    MEANT,
     SEED,
     SHORTEST,
     SPREAD,
@@ -10,6 +11,7 @@ from hknob_cli.engine.general.jitter import (
     TRIAL,
     begin_clock,
     jitters,
+    meant_pace,
     next_span,
 )
 
@@ -17,7 +19,7 @@ MODULUS = 2**31 - 1
 
 
 def clock_of(seed: int, first: int = 0, shortest: float = 0.5) -> list[float]:
-    clock = [0.0] * 5
+    clock = [0.0] * 6
     clock[STATE], clock[SHORTEST], clock[SPREAD] = 1.0, shortest, 1.0 - shortest
     clock[SEED], clock[TRIAL] = float(seed), float(first)
     return clock
@@ -69,3 +71,10 @@ def test_without_a_clock_every_interval_is_one() -> None:
     assert next_span(None) == 1.0
     assert not jitters(None)
     assert jitters(clock_of(0))
+
+
+def test_a_pace_is_that_of_the_period_meant() -> None:
+    clock = clock_of(0)
+    clock[MEANT] = 0.75
+    assert meant_pace(2.0, clock) == 1.5
+    assert meant_pace(2.0, None) == 2.0
