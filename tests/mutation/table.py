@@ -15,8 +15,11 @@ GENERAL_CUTTING = (f"{PROOF}test_general_cutting_margins.py", f"{GENERAL_SETS}te
 FRICTION_SETS = tuple(f"{PROOF}test_{name}_margins.py" for name in ("friction_set", "friction_piece", "lagged_piece"))
 LAWS = (f"{PROOF}test_law_trial_margins.py",)
 ORBIT = ("tests/engine/orbit/",)
+FLANKS = (f"{PROOF}test_flank_rest_margins.py", f"{PROOF}test_teeth_margins.py")
+TEETH = (f"{GENERAL}test_flanks.py", *FLANKS)
 STANDSTILL = (
     f"{PROOF}test_standstill_margins.py",
+    *FLANKS,
     f"{PROOF}test_runs_off.py",
     f"{GENERAL}test_inner_region.py",
 )
@@ -82,7 +85,11 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/interval.py": (f"{PROOF}test_interval_margins.py",),
     "general/torque_table.py": (f"{GENERAL}test_torque_table.py",),
     "general/standstill.py": STANDSTILL,
-    "general/inner_region.py": (f"{PROOF}test_region_margins.py", f"{GENERAL}test_inner_region.py"),
+    "general/inner_region.py": (f"{PROOF}test_region_margins.py", *FLANKS, f"{GENERAL}test_inner_region.py"),
+    "general/teeth.py": TEETH,
+    "general/flanks.py": TEETH,
+    "general/parting.py": (f"{GENERAL}test_parting.py",),
+    "general/jitter.py": (f"{GENERAL}test_jitter.py",),
     "general/powers.py": (f"{PROOF}test_power_margins.py", f"{GENERAL}test_powers.py"),
     "general/period_map.py": (f"{PROOF}test_period_map_margins.py", f"{PROOF}test_turn_margins.py"),
     "general/follow.py": (
@@ -90,11 +97,15 @@ WATCHED: dict[str, tuple[str, ...]] = {
         f"{PROOF}test_general_trial_margins.py",
         f"{GENERAL}test_inner_region.py",
     ),
-    "general/hysteresis.py": (f"{PROOF}test_hysteresis_margins.py",),
+    "general/hysteresis.py": (f"{PROOF}test_hysteresis_margins.py", f"{GENERAL}test_turning_points.py"),
     "general/clock_cells.py": (f"{GENERAL}test_clock_cells.py",),
-    "general/laws/period.py": (f"{PROOF}test_law_period_margins.py",),
+    "general/laws/period.py": (f"{PROOF}test_law_period_margins.py", *FLANKS),
+    "general/laws/parting.py": (f"{GENERAL}test_parting.py",),
     "general/laws/cascade.py": LAWS,
-    "general/laws/rest.py": tuple(f"{PROOF}test_law_{name}_margins.py" for name in ("rest", "settling", "over_angle")),
+    "general/laws/rest.py": (
+        *(f"{PROOF}test_law_{name}_margins.py" for name in ("rest", "settling", "over_angle")),
+        *FLANKS,
+    ),
     "general/laws/follow.py": LAWS,
     "general/laws/step.py": (f"{PROOF}test_law_over_angle_margins.py", f"{PROOF}test_law_step_margins.py"),
     "general/sets/known.py": (f"{PROOF}test_known_margins.py", *GENERAL_CAPTURE),

@@ -10,7 +10,7 @@ import pytest
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.general.body import Body, distance, norm, stiffness
-from hknob_cli.engine.general.controller import count_gap, edge_gap, read
+from hknob_cli.engine.general.controller import count_gap, edge_gap, read, read_after
 from hknob_cli.engine.general.laws import period as proof
 from hknob_cli.engine.general.laws.cascade import apart
 from hknob_cli.engine.general.laws.law import LOOK, PIECE
@@ -663,3 +663,48 @@ def test_a_turn_sees_every_sample_and_every_look(monkeypatch: pytest.MonkeyPatch
         law.anchor < 0 or begun < period,
     )
     assert law.anchor == look_at or past[look_at] == read(looks[-1], WALL)
+
+
+@pytest.mark.parametrize("width", [0.0, 0.5, 1.5])
+def test_with_hysteresis_a_turn_counts_between_samples(monkeypatch: pytest.MonkeyPatch, width: float) -> None:
+    """Turning points have margins of their own, on a copy of the state; the count goes on with them."""
+    wall = WALL._replace(hysteresis=width)
+    law = law_of(watch=wall, sched=[0.0] * (2 * PIECE))
+    for piece in range(2):
+        law.sched[piece * PIECE + LOOK] = -1.0
+    script = [[-2.5, 0.25], [-1.75, 0.25], [-0.625, 0.5], [-1.25, 0.0], [-2.125, -0.5]]
+    moves: list[int] = []
+    counted: list[Any] = []
+    shown: list[float] = []
+
+    def move(past: Any, at: int, one: Any, _: Any, room: Any, count: int) -> None:
+        moves.append(at)
+        room.state[:] = script[len(moves)]
+
+    def count(z: Any, past: Any, piece: int, one: Any, watch: Any, _: Any, pad: Any) -> float:
+        assert z[:2] == script[len(moves)]
+        z[0] = 99.0
+        counted.append(piece)
+        past[LINE - 1] -= 0.0 if piece else 1.0
+        return margins[len(counted) - 1]
+
+    monkeypatch.setattr(proof, "decide", lambda what, *_: shown.append(what) or 1.0)
+    monkeypatch.setattr(proof, "move_piece_columns", move)
+    monkeypatch.setattr(proof, "count_piece", count)
+    for margins in ([9.0, 0.03125, 9.0, 9.0], [9.0, 9.0, 9.0, 0.0625], [0.015625, 9.0, 9.0, 9.0], [9.0] * 4):
+        for kept in (moves, counted, shown):
+            kept.clear()
+        space = make_space(2, len(PAST), lambda count: [7.0] * count)
+        space.orbit[:] = script[0]
+        past = list(PAST)
+        found = proof.turn_with_law(past, 2, body(), wall, law, space, 2)
+        before, gaps = -3.0, []
+        for k in range(2):
+            x, first = script[2 * k][0], before
+            before = read_after(x, first, wall)
+            assert shown[k] == before
+            gaps.append(edge_gap(x, before, first, wall))
+            before = before - 1.0 if width else first
+        assert counted == ([0, 1, 0, 1] if width else [])
+        assert found[0] == min(*gaps, *(margins if width else []))
+        assert past[LINE - 1] == before

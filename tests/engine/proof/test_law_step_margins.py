@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from hknob_cli.engine.general.controller import Controller
+from hknob_cli.engine.general.controller import Controller, read_after
 from hknob_cli.engine.general.laws import step
 from hknob_cli.engine.general.laws.law import LOOK, MATRIX, PIECE, SPAN, TORQUE, F, G, S
 from hknob_cli.engine.general.laws.step import (
@@ -14,6 +14,7 @@ from hknob_cli.engine.general.laws.step import (
     advance_with_law,
     begin_past,
     chart_with_law,
+    count_piece,
     decide,
     depth_of,
     driven_slope,
@@ -222,6 +223,77 @@ def test_a_chart_is_that_of_all_pieces(monkeypatch: pytest.MonkeyPatch, look: in
     if look >= 0:
         expected[look] = -6.0
     assert past == expected
+
+
+WIDE = wall_of(hysteresis=0.5)
+
+
+@pytest.mark.parametrize("look", [-1, 0])
+def test_with_hysteresis_the_count_goes_through_every_piece(monkeypatch: pytest.MonkeyPatch, look: int) -> None:
+    """From that of the sample on, beside the readings; a piece's own torque and time move it. Other walls are moved."""
+    told: list[Any] = []
+
+    def count(z: Any, u: float, span: float, shown: float, *rest: Any) -> tuple[float, float]:
+        told.append((u, span, shown, *rest))
+        z[0] -= 1.0
+        return shown - 1.0, 0.25 + len(told)
+
+    def move(z: Any, past: Any, *given: Any) -> None:
+        z[0] -= 1.0
+
+    monkeypatch.setattr(step, "decide", lambda *given: told.append(given[0]) or 7.0)
+    monkeypatch.setattr(step, "turn_and_count", count)
+    monkeypatch.setattr(step, "move_piece", move)
+    law, z, past = law_of(sched=pieces()), [-2.5, 0.125], list(PAST)
+    law.sched[PIECE + LOOK] = float(look)
+    assert advance_with_law(z, past, "body", WIDE, law, "pad") == 7.0
+    # The count of before, -4, is a quarter above the place.
+    shown = read_after(-2.5, -4.0, WIDE)
+    assert told == [shown, (3.0, 0.5, shown, "body", WIDE, "pad"), (4.0, 1.5, shown - 1.0, "body", WIDE, "pad")]
+    expected = list(PAST)
+    expected[3] = shown - 2.0
+    if look >= 0:
+        expected[look] = read_after(-4.5, shown - 2.0, WIDE)
+    assert (z[0], past) == (-4.5, expected)
+    told.clear()
+    plain = list(PAST)
+    advance_with_law([-2.5, 0.125], plain, "body", wall_of(), law, "pad")
+    assert told == [-3.0]
+    assert plain[3] == -4.0
+    for piece, u in ((0, 3.0), (1, 4.0)):
+        one = list(PAST)
+        assert count_piece([0.0, 0.0], one, piece, "body", WIDE, law, "pad") == 0.25 + len(told)
+        assert one == [*PAST[:3], -5.0, *PAST[4:]]
+        assert told[-1][:3] == (u, 0.5 + piece, -4.0)
+
+
+def test_with_hysteresis_a_chart_keeps_the_count_of_every_piece(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A row's place is one that the count has seen; the last one is the next sample's, which reads it itself."""
+
+    def chart(z: Any, u: float, span: float, body: Any, pad: Any, rows: int, to: Any) -> int:
+        for k in range(2):
+            to.states[(rows + k) * 2] = (-2.875, -3.125)[k] + 0.25 * rows
+        z[0] -= 1.0
+        return rows + 2
+
+    shown: list[float] = []
+    monkeypatch.setattr(step, "decide", lambda what, *given: shown.append(what))
+    monkeypatch.setattr(step, "chart", chart)
+    for wall in (WIDE, wall_of(hysteresis=1.25), wall_of()):
+        law, z, past = law_of(sched=pieces()), [-2.5, 0.125], list(PAST)
+        law.sched[LOOK] = 0.0
+        to: Any = SimpleNamespace(states=[0.0] * 40)
+        assert chart_with_law(z, past, 2, SimpleNamespace(order=2), wall, law, "pad", to) == 8
+        last, at = -4.0, [-2.5, -3.5, -4.5, -5.5]
+        for k, x in enumerate(at):
+            if k % 2 == 0:
+                last = read_after(x, last, wall)
+                assert shown.pop(0) == last
+            for row in range(2 * k, 2 * k + 2):
+                last = read_after(to.states[2 * row], last, wall)
+            if k == 2:
+                assert past[0] == read_after(-5.5, last, wall)
+        assert past[3] == (last if wall.hysteresis else -4.0)
 
 
 def test_before_the_first_sample_no_torque_is_under_way() -> None:

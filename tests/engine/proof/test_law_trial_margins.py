@@ -18,7 +18,7 @@ from hknob_cli.engine.follow import (
     UNDAMPED,
     UNSETTLED,
 )
-from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, KNOWN, PATIENCE
+from hknob_cli.engine.general.follow import BESIDE, CYCLE_AT_EVENT, CYCLE_EXPANDS, CYCLE_PARTS, KNOWN, PATIENCE
 from hknob_cli.engine.general.laws import follow
 from hknob_cli.engine.general.laws.cascade import (
     apart,
@@ -28,16 +28,16 @@ from hknob_cli.engine.general.laws.cascade import (
     same_count,
     torques_apart,
 )
-from hknob_cli.engine.general.laws.follow import LOOK_AGAIN, captured_with_law, fate_of, follow_with_law, unlike
+from hknob_cli.engine.general.laws.follow import CLOSE, LOOK_AGAIN, captured_with_law, fate_of, follow_with_law, unlike
 from hknob_cli.engine.general.laws.law import CYCLE_AT_SWITCH, CYCLE_NOT_AFFINE
 from hknob_cli.engine.general.laws.period import AT_SWITCH, REPEATS
-from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS
+from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS
 from hknob_cli.engine.general.search import make_space
 from hknob_cli.engine.general.standstill import SETTLING
 from hknob_cli.engine.rest import AT_REST, MOVING, REST_ON_EDGE, RINGS
 
 from .test_general_follow_margins import row
-from .test_general_trial_margins import FIRST, State, returns
+from .test_general_trial_margins import CONTINUOUS, FIRST, State, returns
 from .test_standstill_margins import WALL, body
 
 ORBIT, PERIODIC = [-3.25, 0.125], [5.0]
@@ -108,12 +108,12 @@ class Trial:
         self.asked.append(self.at)
         return int(self.more["captor"])
 
-    def run(self, one: Any = None, *, final: bool = True, limit: float = 1e9) -> Any:
+    def run(self, one: Any = None, *, final: bool = True, limit: float = 1e9, wall: Any = WALL) -> Any:
         """``(fate, period, samples)``; where it is left, in ``z`` and ``past``."""
         rows = self.more.get("rows", [])
         self.z, self.past = list(self.states[0]), [0.0]
         return follow_with_law(
-            self.z, self.past, len(self.states) - 1, final, limit, one or body(), WALL, self.law,
+            self.z, self.past, len(self.states) - 1, final, limit, one or body(), wall, self.law,
             make_space(2, 1, lambda count: [7.0] * count), [7.0] * 2, [7.0], [7.0] * 2, [7.0], len(rows),
             [x for each in rows for x in each], [x for state in self.more.get("places", []) for x in state], [],
         )  # fmt: skip
@@ -243,6 +243,76 @@ def test_a_status_has_its_fate() -> None:
     ):  # fmt: skip
         assert fate_of(status, provable) == fate
     assert fate_of(EXPANDS, speed) == CYCLE_NOT_AFFINE
+
+
+def test_a_cycle_whose_teeth_part_is_reported_at_once_where_the_trial_is_beside_it(
+    trial: Callable[..., Trial],
+) -> None:
+    """As `general.follow`: a millionth of a count, by state and memory; farther off it may be left again."""
+    there = dict.fromkeys(range(7), PERIODIC[0])
+    for off, memory, at_once in (
+        (0.0, there, True),
+        (0.5 * BESIDE, there, True),
+        (-0.5 * BESIDE, there, True),
+        (BESIDE, there, False),
+        (2.0 * BESIDE, there, False),
+        (-2.0 * BESIDE, there, False),
+        (0.0, {}, False),
+    ):
+        # Back at -0.5, where it began; the orbit is ``off`` in its speed, and a unit of speed is one of distance.
+        orbit = [-0.5, off]
+        states = [(0.5, 0.0), (-0.5, 0.0)] * 3 + [(0.5, 0.0)]
+        found = trial(states, proofs=lambda _: PARTS, orbit=orbit, memory=memory)
+        assert found.run() == ((CYCLE_PARTS, 2, 3) if at_once else (CYCLE_PARTS, 2, 6))
+        assert (found.z, found.past) == (orbit, PERIODIC)
+    for status in (ON_EDGE, AT_EVENT, EXPANDS):
+        states = [(0.5, 0.0), (-0.5, 0.0)] * 3 + [(0.5, 0.0)]
+        found = trial(states, proofs=lambda _, s=status: s, orbit=[-0.5, 0.0], memory=there)
+        assert found.run()[2] == 6
+
+
+def test_a_continuous_sensor_is_followed_until_motions_are_the_same_to_twelve_digits(
+    trial: Callable[..., Trial],
+) -> None:
+    """Of a law that cannot be proven: a count comes back to eight digits. Of one and the place, on either side."""
+    sensed, scale = CONTINUOUS._replace(kappa=0.0), 1.0 + 0.5
+    for wall, gap, at_once in (
+        (WALL, 4e-9, True),
+        (sensed, 0.0, True),
+        (sensed, CLOSE * scale, True),
+        (sensed, 0.6 * CLOSE, True),
+        (sensed, nextafter(CLOSE * scale, 1.0), False),
+        (sensed, 4e-9, False),
+    ):
+        law = law_of(provable=False, watch=sensed if wall is sensed else WALL)
+        states = [(0.0, 1.0), *returns([gap])[1:], (-0.5, gap), (-0.5, gap)]
+        found = trial(states, proofs=lambda _: EXPANDS, law=law)
+        fate, _, samples = found.run(wall=wall)
+        assert fate == CYCLE_NOT_AFFINE
+        assert (samples < len(found.states) - 1) is at_once
+    assert CLOSE == 1e-12
+
+
+def test_a_law_that_senses_has_a_proof_for_each_trial(trial: Callable[..., Trial]) -> None:
+    """It is looked at in one count, too; no known orbit captures it, and none is waited for."""
+    one = law_of(senses=True)
+    found = trial([(-2.5, 0.0)] * 200, law=one)
+    found.run()
+    assert found.certified == [(126, 64), (190, 64)]
+    more = {"rows": [row(period=2)], "places": [(-99.0, 0.0)]}
+    assert tried([2.0**-6], trial, law=law_of(senses=True), **more) == [True]
+    # What is not captured is tried again at half the distance, whatever the margin.
+    gap = 2.0**-6
+    gaps = [gap, 0.5 * gap, 0.499 * gap]
+    asked = tried(gaps, trial, proofs=lambda _: NOT_CAPTURED, law=one, orbit=[-0.75, gap], margin=9.0)
+    assert asked == [True, False, True]
+    assert captured_with_law([0.0, 0.0], [0.0], body(), one, [0.0] * 2, 1, row(), [0.0, 0.0], [0.0]) == -1
+
+
+def test_a_trial_that_is_not_at_its_last_is_open(trial: Callable[..., Trial]) -> None:
+    for damped, fate in ((True, UNSETTLED), (False, UNDAMPED)):
+        found = trial([(0.5, 0.0), (-0.5, 0.0)] * 3 + [(0.5, 0.0)], proofs=lambda _: ON_EDGE)
+        assert found.run(body()._replace(damped=damped), final=False) == (fate, 0, 6)
 
 
 # Known orbits, limits, rest.

@@ -23,7 +23,7 @@ STIFF = sqrt(2.0) + 0.25 * (1.0 + 2.0)  # of the torque, by a unit of the energy
 
 def test_teeth_that_carry_a_torque_stay_on_their_flank_that_far() -> None:
     """From above: no difference of that energy takes more. From below: one takes half of it."""
-    assert flank_room(0.0, MESH) == flank_room(-1.0, MESH) == 0.0
+    assert flank_room(0.0, MESH) == flank_room(-0.5, MESH) == flank_room(-1.0, MESH) == 0.0
     assert flank_room(STIFF, MESH) == pytest.approx(MESH.reach, rel=1e-15)
     chance = np.random.default_rng(7)
     most = 0.0

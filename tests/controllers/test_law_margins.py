@@ -1,0 +1,183 @@
+"""Functions and numbers of the controllers by hand: what they say of their guards, their slopes and their roundings."""
+
+from math import cos, exp, inf, log, pi
+from typing import Any
+
+import pytest
+
+from hknob_cli.controllers import phase_damping
+from hknob_cli.controllers.controller import ControlLaw, Plant, make_control_law
+from hknob_cli.controllers.estimated_velocity import filter_and_act, spring_and_damper
+from hknob_cli.controllers.half_sample import half_sample
+from hknob_cli.controllers.impulse_damping import ImpulseDamping
+from hknob_cli.controllers.matched_wall import matched_wall
+from hknob_cli.controllers.passivity_control import passivity
+from hknob_cli.controllers.phase_damping import PhaseDamping
+from hknob_cli.specs.scene import SceneSpec
+
+PLANT = Plant(alpha=0.1, beta=0.02, kappa=0.12, offset=0.25, period_s=1e-3, quantum_rad=0.01, stiffness=0.27)
+
+
+def control_of(**numbers: Any) -> ControlLaw:
+    """The controller of a scene."""
+    scene = {
+        "knob": {"inertia": 1.9e-6},
+        "hand": {"inertia": 3.0e-7, "damping": 3.45e-4, "stiffness": 0.04},
+        "wall": {"stiffness": 0.27},
+        "controller": {"kind": "velocity_damping", "damping": 2.7e-4, **numbers},
+    }
+    plan = SceneSpec.model_validate(scene).plain().controller
+    assert plan is not None
+    return make_control_law(plan)
+
+
+# An estimated speed.
+
+
+def fixed_of(
+    *, gain: float = -2.0, everywhere: float = 0.0, goes: float = 0.25, most: float = inf, filtered: float = 1.0
+) -> list[float]:
+    """Offset, gain, where it acts, low-pass, cut-off, whether the spring acts on what is filtered."""
+    return [0.25, gain, everywhere, goes, most, filtered, 0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("shown", [-3.0, 2.0])
+def test_where_damping_begins_is_a_guard_of_a_filtered_angle(shown: float) -> None:
+    """At the wall's edge, on either side, if there is damping that acts inside alone; and never farther than others."""
+    at = shown + 0.25 - 0.5
+    for gain, everywhere, room in ((-2.0, 0.0, abs(at)), (-1.0, 0.0, abs(at)), (0.0, 0.0, 9.0), (-2.0, 1.0, 9.0)):
+        out = [7.0]
+        assert spring_and_damper(shown, 0.5, -0.5, 9.0, fixed_of(gain=gain, everywhere=everywhere), out) == room
+        damped = everywhere > 0.0 or at < 0.0
+        assert out == [max(-at, 0.0) + (gain * 0.5 if damped else 0.0)]
+    assert spring_and_damper(shown, 0.5, -0.5, 0.125, fixed_of(), [7.0]) == 0.125
+    assert spring_and_damper(shown, 0.5, -0.5, 9.0, fixed_of(filtered=0.0), [7.0]) == 9.0
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_cut_off_is_a_guard_from_both_sides(sign: float) -> None:
+    """Beyond it nothing is commanded, which is told by the guard's sign."""
+    for pace, guard, torque in ((1.0, 1.0, -2.0 * sign), (1.75, 0.25, -3.5 * sign), (3.0, -1.0, 0.0)):
+        past, out = [sign * pace], [7.0]
+        fixed = fixed_of(most=2.0, filtered=0.0, everywhere=2.0)
+        assert filter_and_act(1.0, sign * pace, 0.0, past, 0, fixed, out) == guard
+        assert out == [torque]
+
+
+@pytest.mark.parametrize(("window", "row"), [(1, 0), (3, 2)])
+def test_an_estimates_filter_is_slow_and_coarse_by_its_fade(window: int, row: int) -> None:
+    """A time constant of -1 / log(fade) samples; each update rounds, and 1 / (1 - fade) of them are kept."""
+    filtered = control_of(velocity="adaptive", window=window, low_pass=0.004)
+    fade = exp(-0.25)
+    fading = filtered.fading(PLANT)
+    assert (fading.row, fading.fade) == (row, pytest.approx(fade, rel=1e-14))
+    assert filtered.settling(PLANT) == pytest.approx(-1.0 / log(fade), rel=1e-12)
+    assert filtered.settling(PLANT) == pytest.approx(4.0, rel=1e-12)
+    assert filtered.coarseness(PLANT) == pytest.approx(1.0 + 1.0 / (1.0 - fade), rel=1e-12)
+    strong = control_of(velocity="adaptive", window=window, low_pass=0.004, damping=-8.1e-4)
+    assert strong.coarseness(PLANT) == pytest.approx(1.0 + 3.0 / (1.0 - fade), rel=1e-12)
+    plain = control_of(velocity="adaptive", window=window, damping=8.1e-4)
+    assert plain.settling(PLANT) == 0.0
+    assert plain.coarseness(PLANT) == pytest.approx(4.0, rel=1e-12)
+
+
+def test_a_tracked_speeds_first_row_fades_too() -> None:
+    tracked = control_of(velocity="tracking", bandwidth=200.0, damping=8.1e-4)
+    fading = tracked.fading(PLANT)
+    assert (fading.row, fading.guarded) == (0, False)
+    assert tracked.coarseness(PLANT) == pytest.approx(1.0 + 3.0 / (1.0 - fading.fade), rel=1e-12)
+    assert tracked.settling(PLANT) == pytest.approx(-1.0 / log(fading.fade), rel=1e-12)
+
+
+def test_what_fades_is_guarded_where_it_decides() -> None:
+    """By a cut-off, and of an angle by where damping begins."""
+    for guarded, more in (
+        (True, {"angle": "filtered"}),
+        (False, {"angle": "filtered", "damping": 0.0}),
+        (False, {"angle": "filtered", "everywhere": True}),
+        (True, {"angle": "filtered", "everywhere": True, "cut_off": 2.0}),
+        (False, {}),
+        (True, {"cut_off": 2.0}),
+    ):
+        control = control_of(**{"velocity": "tracking", "bandwidth": 200.0, **more})
+        assert control.fading(PLANT).guarded is guarded
+
+
+def test_a_differenced_speeds_filter_is_coarse_by_what_it_adds_up() -> None:
+    fade = exp(-0.25)
+    assert control_of(low_pass=0.004, damping=8.1e-4).coarseness(PLANT) == pytest.approx(1.0 + 3.0 / (1.0 - fade))
+    assert control_of(damping=8.1e-4).coarseness(PLANT) == pytest.approx(4.0)
+
+
+# Torques and slopes.
+
+
+def test_the_slope_of_a_prediction_is_that_inside() -> None:
+    """0.5 of the speed, and a fifth less for the yielding; its guard is the speed that brings it to the edge."""
+    fixed = [0.25, 0.5, 0.75, 0.8, 1.0]
+    for shown, speed in ((-4.0, 1.0), (-4.0, 9.0), (3.0, 1.0), (3.0, -9.0)):
+        out, past = [7.0, 7.0], [0.0]
+        middle = (0.75 * (shown + 0.25) + 0.5 * speed) * 0.8
+        assert half_sample(shown, speed, past, fixed, out) == pytest.approx(abs(middle) / 0.4, rel=1e-14)
+        assert out == [pytest.approx(max(-middle, 0.0)), pytest.approx(-0.4 if middle < 0.0 else 0.0)]
+        assert past == [shown + 0.25]
+
+
+def test_a_matched_wall_acts_inside_alone() -> None:
+    for shown, inside in ((-3.0, True), (-1.0, True), (0.0, False), (0.5, False), (2.0, False)):
+        out, past = [7.0, 7.0], [0.0]
+        assert matched_wall(shown, 0.5, past, [0.25, 2.0, 0.125, 1.0], out) == inf
+        assert out == ([-(2.0 * (shown + 0.25) + 0.0625), -0.125] if inside else [0.0, 0.0])
+
+
+def test_an_impulse_and_the_rest_make_an_interval() -> None:
+    for pulse, parts in ((0.25, (0.25, 0.75)), (1.0, (1.0,)), (0.9375, (0.9375, 0.0625))):
+        one = ImpulseDamping(pulse, -0.5, 3)
+        assert one.parts == parts
+        assert one.coarseness(PLANT) == 1.0 + 0.5 * 3 / pulse
+        assert ImpulseDamping(pulse, 0.5, 3).coarseness(PLANT) == one.coarseness(PLANT)
+
+
+def test_energy_that_is_owed_is_taken_back_and_by_how_much_it_may_rise() -> None:
+    """Owed 1 after a count: a damper of 1, at most 0.25; until nothing is owed nothing is done."""
+    for energy, travel, most, torque, guard in (
+        (-1.0, 1.0, 9.0, -1.0, 1.0 - 9.0),
+        (-1.0, 2.0, 9.0, -0.5, 1.0 - 36.0),
+        (-1.0, 2.0, 0.125, -0.25, 1.0 - 0.5),
+        (0.0, 1.0, 9.0, 0.0, -9.0),
+        (1.0, -2.0, 0.125, 0.0, -1.0 - 0.5),
+    ):
+        out, past = [7.0], [2.25 - travel, 0.0, energy, 7.0]
+        assert passivity(2.0, 0.0, past, [0.25, most, 0.0], out) == guard
+        assert out == [torque]
+        assert past == [2.25, torque, energy, 0.0]
+    out, past = [7.0], [2.25, 0.0, -1.0, 7.0]
+    assert passivity(2.0, 0.0, past, [0.25, 9.0, 0.0], out) == inf
+    assert out == [0.0]
+
+
+# By phase.
+
+
+def test_a_phase_is_timed_where_a_cycle_has_been_seen_however_short() -> None:
+    """By samples since a crossing, each half a sample late; of one crossing a cycle, or of both."""
+    for cycle in (0.75, 1.0, 8.0):
+        for both in (0.0, 1.0):
+            past = [0.0, 0.5, 0.0, cycle, cycle, 1e3, 1e3, 1.0]  # outside below its mean, and so it is now
+            out = [7.0]
+            phase_damping.phase_damping(1.0, 0.0, past, [0.25, 2.0, 9.0, both, 0.0], out)
+            turn = 1.5 / cycle * (0.5 if both else 1.0)
+            assert out == [pytest.approx(2.0 * cos(2.0 * pi * turn))]
+
+
+def test_an_estimated_phase_is_as_coarse_as_its_updates() -> None:
+    """Four units of its height; a plain time is a count of samples."""
+    assert phase_damping.KALMAN == 4.0
+    for kalman, coarse in ((True, 1.0 + 4.0 * 0.5), (False, 1.0)):
+        assert PhaseDamping(0.5, 90.0, both=False, kalman=kalman).coarseness(PLANT) == coarse
+
+
+def test_a_pace_that_is_not_filtered_has_no_guard() -> None:
+    out = [7.0]
+    assert filter_and_act(-3.0, 0.5, 0.0, [7.0], 0, fixed_of(goes=0.0, filtered=0.0), out) == inf
+    assert out == [2.75 - 1.0]
