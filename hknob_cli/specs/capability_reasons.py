@@ -92,6 +92,7 @@ WHY = {
     "knob.inertia with n² times the motor's, and n times the counts",
     ("mesh", "device"): "a simulated knob is one body",
     ("play", "device"): "a simulated knob is one body",
+    ("cogging", "device"): "a device has the cogging of its motor, and no simulated knob has it",
     **{(part, "device"): "somebody always holds the knob" for part in ("undamped", "unheld", "handless")},
     ("squeeze", "device"): "a simulated hand has the grip that the trial asks for",
     **{("undamped", column): "nothing contracts" for column in _OF_ONE_START_OR_RANGES},
