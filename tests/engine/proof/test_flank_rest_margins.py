@@ -77,7 +77,7 @@ def test_a_rest_under_a_law_is_on_one_flank_within_the_room(monkeypatch: pytest.
         at, told = Settling(monkeypatch), Room(room)
         at.apart = 0.125 - 2.0**-6
         monkeypatch.setattr(rest, "flank_room", told)
-        monkeypatch.setattr(rest, "pushed_apart", lambda left, one: left)
+        monkeypatch.setattr(rest, "pushed_apart", lambda left, x, one: left)
         assert at.fate([-0.5, 0.0, 0.5, 0.0], one, late=2.0**-6) == fate
         assert told.asked == [1.0]
         assert at.fate([-0.5, 0.0, 0.5, 0.0], one._replace(play=0.0), late=2.0**-6) == AT_REST
