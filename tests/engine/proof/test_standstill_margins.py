@@ -112,6 +112,18 @@ def test_what_a_finger_that_swings_may_pull_counts() -> None:
     assert not stays_held(SWINGING[:4], 4.0, prompt._replace(friction=nextafter(9.0, 0.0)))
 
 
+@pytest.mark.parametrize("pull", [-0.25, 0.25])
+def test_cogging_pulls_where_the_knob_stands(pull: float) -> None:
+    """As a command that is so much larger would; the lag's is as late as before."""
+    one = body(beta=0.5, friction=2.0, push=1.0)
+    prompt = FINGER._replace(order=4, lag=0.0, friction=9.0)
+    for still, u, held in (([2.0, 0.0], 4.0, one), ([1.0, 0.0, 3.5], 2.0, LAGGING), (SWINGING[:4], 4.0, prompt)):
+        cogs = [1.0, 8.0, still[0] + pull, 4.0, 1.0, 0.0]  # a slope of 1 about a place of rest
+        z = [*still[:2], *(x - pull if held is LAGGING else x for x in still[2:])]
+        assert stays_held(z, u - pull, held._replace(cogs=cogs))
+        assert not stays_held(z, u - pull, held._replace(cogs=cogs, friction=nextafter(held.friction, 0.0)))
+
+
 @pytest.mark.parametrize("play", [5e-324, 0.5, 1.0, 3.0])
 @pytest.mark.parametrize("stays", [True, False])
 def test_where_there_is_play_the_teeth_decide(monkeypatch: pytest.MonkeyPatch, play: float, stays: bool) -> None:
