@@ -77,7 +77,10 @@ def increments(a: Array, held: Array, split: float, alpha: float, beta: float, *
 
 
 def halves(a: Array) -> Array:
-    """D(1), D(1/2), D(1/4), ..., shape (HALVINGS, n, n): the short ones by their series, the rest by doubling."""
+    """D(1), D(1/2), D(1/4), ..., shape (HALVINGS, n, n): the short ones by their series, the rest by doubling.
+
+    Not finite, in silence, where an unstable slope of cogging is too steep: whoever uses them looks at that.
+    """
     one = np.eye(len(a))
     times = 0.5 ** np.arange(HALVINGS)
     size = float(np.abs(a).sum(axis=1).max())
@@ -90,6 +93,7 @@ def halves(a: Array) -> Array:
         if np.abs(term[0]).max() <= 1e-20 * np.abs(total[0]).max():
             break
     found[first:] = total
-    for k in range(first - 1, -1, -1):
-        found[k] = found[k + 1] + found[k + 1] @ (one + a @ found[k + 1])
+    with np.errstate(over="ignore", invalid="ignore"):
+        for k in range(first - 1, -1, -1):
+            found[k] = found[k + 1] + found[k + 1] @ (one + a @ found[k + 1])
     return found

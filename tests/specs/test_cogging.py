@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from hknob_cli.errors import SpecError
+from hknob_cli.errors import ComputationError, SpecError
 from hknob_cli.report.scene_words import scene_sentences
 from hknob_cli.specs.bench import merged
 from hknob_cli.specs.capabilities import parts_of
@@ -123,3 +123,8 @@ def test_words_of_a_scene() -> None:
     plan = planned()
     said = "Cogging: up to 0.001 N*m toward 84 places of rest in a turn of the motor, a triangle wave."
     assert said in list(scene_sentences(plan.scene, plan.axes))
+
+
+def test_a_slope_too_steep_for_numbers_is_said_without_a_warning() -> None:
+    with pytest.raises(ComputationError, match="the scene's numbers overflow"):
+        SweepStage(planned(of_cogging(torque=1e6)), jobs=1).run()
