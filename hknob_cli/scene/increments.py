@@ -1,7 +1,8 @@
 """The linear motion of a body over spans of time: integrals of its exponential, power series, and its slowest decay.
 
 D(t) is the integral of exp(A s) over [0, t]: a state z under z' = A z + c moves by D (A z + c). An increment keeps its
-digits where a span is short.
+digits where a span is short. Of stiff bodies each doubling of a span loses some: they are made with the longest floats
+of the machine (19 digits on x86) and rounded once, so that proofs may take them for exact to a rounding.
 """
 
 import numpy as np
@@ -11,6 +12,7 @@ from hknob_cli.engine.general.body import HALVINGS
 from hknob_cli.engine.propagator import hold_coefficients
 
 Array = NDArray[np.float64]
+NEGLIGIBLE = 1e-24  # of a sum's terms, beside the sum
 
 
 def power_series(alpha: float, beta: float) -> Array:
@@ -39,15 +41,27 @@ def slowest_decay(a: Array) -> float:
     return float(decaying.min()) if decaying.size else 0.0
 
 
-def _short_increment(a: Array, t: float) -> Array:
-    """D(t) by its series; for a short time."""
-    total = term = t * np.eye(len(a))
-    for k in range(2, 30):
-        term = term @ a * (t / k)
+def _rounded(fine: NDArray[np.longdouble]) -> Array:
+    """What was computed with the longest floats; not finite, in silence, where it is too large."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return fine.astype(np.float64)
+
+
+def _series(a: NDArray[np.longdouble], times: NDArray[np.longdouble]) -> NDArray[np.longdouble]:
+    """D(t) of short times by its series, shape (times, n, n); the longest time is the first."""
+    times = times[:, None, None]
+    total = term = times * np.eye(len(a), dtype=np.longdouble)
+    for k in range(2, 40):
+        term = term @ a * (times / k)
         total = total + term
-        if np.abs(term).max() <= 1e-20 * np.abs(total).max():
+        if np.abs(term[0]).max() <= NEGLIGIBLE * np.abs(total[0]).max():
             break
     return total
+
+
+def _doublings(size: float) -> int:
+    """How often a span is halved before its series is taken, by its length in units of the fastest mode."""
+    return max(0, int(np.ceil(np.log2(size))) + 2) if size > 0.25 else 0
 
 
 def increment(a: Array, t: float, alpha: float, beta: float) -> Array:
@@ -55,12 +69,12 @@ def increment(a: Array, t: float, alpha: float, beta: float) -> Array:
     if len(a) == 2:
         s, g, _ = hold_coefficients(alpha, beta, t)
         return np.array([[s + alpha * g, g], [-beta * g, s]])
-    size = float(np.abs(a).sum(axis=1).max()) * t
-    doublings = max(0, int(np.ceil(np.log2(size))) + 2) if size > 0.25 else 0
-    d = _short_increment(a, t / 2.0**doublings)
+    doublings = _doublings(float(np.abs(a).sum(axis=1).max()) * t)
+    fine = a.astype(np.longdouble)
+    d = _series(fine, np.array([t / 2.0**doublings], np.longdouble))[0]
     for _ in range(doublings):
-        d = d + d @ (np.eye(len(a)) + a @ d)
-    return d
+        d = d + d @ (np.eye(len(a)) + fine @ d)
+    return _rounded(d)
 
 
 def increments(a: Array, held: Array, split: float, alpha: float, beta: float, *, stepped: bool = False) -> list[Array]:
@@ -81,19 +95,12 @@ def halves(a: Array) -> Array:
 
     Not finite, in silence, where an unstable slope of cogging is too steep: whoever uses them looks at that.
     """
-    one = np.eye(len(a))
-    times = 0.5 ** np.arange(HALVINGS)
-    size = float(np.abs(a).sum(axis=1).max())
-    first = min(HALVINGS - 1, max(0, int(np.ceil(np.log2(size))) + 2) if size > 0.25 else 0)
-    found = np.zeros((HALVINGS, *a.shape))
-    total = term = times[first:, None, None] * one
-    for k in range(2, 30):
-        term = term @ a * (times[first:, None, None] / k)
-        total = total + term
-        if np.abs(term[0]).max() <= 1e-20 * np.abs(total[0]).max():
-            break
-    found[first:] = total
+    fine, one = a.astype(np.longdouble), np.eye(len(a))
+    times = 0.5 ** np.arange(HALVINGS, dtype=np.longdouble)
+    first = min(HALVINGS - 1, _doublings(float(np.abs(a).sum(axis=1).max())))
+    found = np.zeros((HALVINGS, *a.shape), np.longdouble)
+    found[first:] = _series(fine, times[first:])
     with np.errstate(over="ignore", invalid="ignore"):
         for k in range(first - 1, -1, -1):
-            found[k] = found[k + 1] + found[k + 1] @ (one + a @ found[k + 1])
-    return found
+            found[k] = found[k + 1] + found[k + 1] @ (one + fine @ found[k + 1])
+    return _rounded(found)
