@@ -72,6 +72,7 @@ NUDGE = 2.0**-46  # of a state: 128 roundings
 STILL = 1e-3  # counts by which a trial that has nearly settled still moves; what is left is at most `LEFT` times that
 LEFT = 30.0
 BALANCE = 1e-9
+LONGEST_S = 15.0  # of a trial: some teeth bounce in steps too small to end
 ROUNDINGS = 16.0 * 2.0**-53
 Scene = dict[str, Any]
 
@@ -308,7 +309,9 @@ def follow(one: Case) -> Followed:
         knob = sample_general(plain, sample_rate_hz=one.rate_hz, counts_per_rev=one.counts)
         rate, engine, line = knob.rate, GeneralEngine(compiled("general")), knob.delay_line
     start = knob.start(ANGLE, VELOCITY)
-    found = engine.search(knob.body, knob.wall, start, rate=rate, phases=1, delay_line=line, max_samples=2**15)
+    found = engine.search(
+        knob.body, knob.wall, start, rate=rate, phases=1, delay_line=line, max_samples=2**15, seconds=LONGEST_S
+    )
     (end,) = found.attractors
     samples = np.array(list(islice(trial(knob, made, start), COMPARED)))
     if knob.wall.analog > 0.0:
