@@ -142,7 +142,7 @@ def _cogs(cogging: Cogging | None, *, square: float, quantum: float, offset: flo
 class _Finger(NamedTuple):
     """The finger behind its pad, without dimensions: the pad's over the knob's inertia, its own over its own.
 
-    ``ratio``: of the knob's inertia to the finger's, 0 where there is none.
+    ``ratio``: the knob's inertia over the finger's; 0 without a finger.
     """
 
     pad_damping: float = 0.0

@@ -1,6 +1,6 @@
 """Tests of `page.drawn`: figures by one process and by several; clips on a page, which are loud by one factor.
 
-Clips are of what is recorded, heard without a request, and there is none where nothing settled.
+Clips are made of recordings and play without a request to a server. A motion that has not settled has no clip.
 """
 
 import base64

@@ -104,7 +104,7 @@ def test_a_motor_that_friction_stops_under_a_law_keeps_to_its_flank(
 def test_a_cycle_under_a_law_is_proven_as_far_as_its_teeth_do_not_part(
     monkeypatch: pytest.MonkeyPatch, play: float
 ) -> None:
-    """Their room bounds its margin; where its own error may part them it is no proof, and a map that grows is none."""
+    """The room of the teeth bounds the margin. No proof: an error that may part them, and a map that grows."""
     one = MESH._replace(play=play, friction=0.0)
     matrix = np.diag([0.5, -0.25, 0.25, 0.5])
     stage = Stage(matrix, (-2.5, 0.25, 0.5, 0.5), marks=(inf, inf, 0.375))
