@@ -134,6 +134,18 @@ def planned(part: str, **more: Any) -> Plan:
     return validate(source)
 
 
+def swept(*changes: dict[str, Any]) -> SweepPlan:
+    """The base from four clock phases with each of the changes in turn; without keys that are None."""
+    values: dict[str, Any] = merged(deepcopy(BASE), {"starts": {"angle": 0.02, "phases": 4}})
+    for change in changes:
+        values = merged(values, change)
+    source = Source("spec.yaml")
+    source.value = {name: value for name, value in values.items() if value is not None}
+    plan = validate(source)
+    assert isinstance(plan, SweepPlan)
+    return plan
+
+
 def test_every_part_has_its_change() -> None:
     assert set(CHANGES) == set(PARTS) - {"people"}
     for part in CHANGES:

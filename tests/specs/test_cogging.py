@@ -14,22 +14,14 @@ from hknob_cli.specs.load import validate
 from hknob_cli.specs.plan import SweepPlan, scene_at
 from hknob_cli.specs.source import Source
 from hknob_cli.stages.sweep.run import SweepStage
-from tests.specs.test_capabilities import BASE, CHANGES, KINDS
+from tests.specs.test_capabilities import BASE, CHANGES, KINDS, swept
 
 COGGING = {"scene": {"cogging": {"torque": 1e-3, "per_revolution": 84, "centre": 0.0374}}}
-START = {"starts": {"angle": 0.02, "phases": 4}}
 
 
 def planned(*changes: dict[str, Any]) -> SweepPlan:
     """The base with cogging and with more; without keys that are None."""
-    values: dict[str, Any] = merged(deepcopy(BASE), merged(COGGING, START))
-    for change in changes:
-        values = merged(values, change)
-    source = Source("spec.yaml")
-    source.value = {name: value for name, value in values.items() if value is not None}
-    plan = validate(source)
-    assert isinstance(plan, SweepPlan)
-    return plan
+    return swept(COGGING, *changes)
 
 
 def of_cogging(**keys: Any) -> dict[str, Any]:

@@ -1,33 +1,21 @@
 """A sample clock that jitters, in specs: what it goes with, faults with their place, and what a sweep's files have."""
 
-from copy import deepcopy
 from typing import Any
 
 import pytest
 
 from hknob_cli.errors import SpecError
 from hknob_cli.report.scene_words import scene_sentences
-from hknob_cli.specs.bench import merged
-from hknob_cli.specs.load import validate
 from hknob_cli.specs.plan import SweepPlan
-from hknob_cli.specs.source import Source
 from hknob_cli.stages.sweep.run import SweepStage
-from tests.specs.test_capabilities import BASE, CHANGES, KINDS
+from tests.specs.test_capabilities import CHANGES, KINDS, swept
 
 JITTER = {"scene": {"clock": {"jitter": 0.05}}}
-START = {"starts": {"angle": 0.02, "phases": 4}}
 
 
 def planned(*changes: dict[str, Any]) -> SweepPlan:
     """The base with jitter and with more; without keys that are None."""
-    values: dict[str, Any] = merged(deepcopy(BASE), merged(JITTER, START))
-    for change in changes:
-        values = merged(values, change)
-    source = Source("spec.yaml")
-    source.value = {name: value for name, value in values.items() if value is not None}
-    plan = validate(source)
-    assert isinstance(plan, SweepPlan)
-    return plan
+    return swept(JITTER, *changes)
 
 
 @pytest.mark.parametrize(
