@@ -56,11 +56,18 @@ def rests(x, v, rx, rv, u, shown, body, wall):
     return far + SLACK * (1.0 + far + (abs(u) + abs(body.drive)) / body.beta) < gap
 
 
+def centre_of(at, cells):
+    """Position and speed in the middle of a cell."""
+    column, row = at // cells.rows, at % cells.rows
+    return (cells.left + column) * cells.width + 0.5 * cells.width, (
+        cells.low + row
+    ) * cells.height + 0.5 * cells.height
+
+
 def successors(at, cells, body, wall):
     """Boxes that a box comes into within the next interval: how many, in ``cells.boxes``; or `CAPTURED`, `LEAVES`."""
     rx, rv = 0.5 * cells.width, 0.5 * cells.height
-    x = (cells.left + at // cells.rows) * cells.width + rx
-    v = (cells.low + at % cells.rows) * cells.height + rv
+    x, v = centre_of(at, cells)
     shown = read(x, wall)
     u = command(shown, shown, wall)
     if rests(x, v, rx, rv, u, shown, body, wall):
@@ -191,8 +198,7 @@ def root_of(at, parent):
 def hold_range(at, cells, body, wall):
     """Bounds on the position of a motion from a cell, from a sample to the next: ``(least, most)``."""
     rx, rv = 0.5 * cells.width, 0.5 * cells.height
-    x = (cells.left + at // cells.rows) * cells.width + rx
-    v = (cells.low + at % cells.rows) * cells.height + rv
+    x, v = centre_of(at, cells)
     shown = read(x, wall)
     u = command(shown, shown, wall)
     y = u + body.drive - body.beta * x
