@@ -23,13 +23,12 @@ from hknob_cli.engine.general.body import (
     HALVES_HELD,
     HALVINGS,
     acceleration,
-    coil_at,
     distance,
     norm_at,
     rate_of,
     stiffness,
 )
-from hknob_cli.engine.general.slide_many import FINEST, SHORTEST, accept, held_bound, stretch
+from hknob_cli.engine.general.slide_many import FINEST, SHORTEST, accept, held_bound, held_slope, stretch
 from hknob_cli.engine.general.teeth import keeps_sign
 from hknob_cli.engine.loop import floor
 
@@ -160,12 +159,7 @@ def cog_rate(z, u, slope, mode, body, out):
 
 def held_told(z, u, pad, slope, h, body):
     """Whether it can be told what becomes of a knob that friction holds within ``h``: nothing, or a release, once."""
-    n = body.order
-    rate = pad[n - 1] if body.lag > 0.0 else 0.0
-    if body.ratio > 0.0:
-        rate -= body.pad_damping * pad[3] + body.pad_stiffness * pad[2]
-    if body.coil > 0.0:
-        rate -= body.coil * pad[coil_at(body)]
+    rate = held_slope(pad, body)
     bound = held_bound(pad, body)
     value = body.friction - abs(cog_acceleration(z, u, slope, body))
     return (rate == 0.0 and bound == 0.0) or keeps_sign(value, -abs(rate), bound, h) or abs(rate) > bound * h

@@ -44,6 +44,16 @@ def sliding_bound(rate, at, body):
     return norm_at(rate, at, body) * stiffness(body) + late
 
 
+def held_slope(rate, body):
+    """Rate of the torque on a held knob, by the rates of lag, finger and winding."""
+    slope = rate[body.order - 1] if body.lag > 0.0 else 0.0
+    if body.ratio > 0.0:
+        slope -= body.pad_damping * rate[3] + body.pad_stiffness * rate[2]
+    if body.coil > 0.0:
+        slope -= body.coil * rate[coil_at(body)]
+    return slope
+
+
 def held_bound(rate, body):
     """Bound on the second derivative of the torque on a held knob."""
     n = body.order
@@ -127,11 +137,7 @@ def slide_many(z, u, mode, left, body, pad):
         rate_of(z, u, mode, body, pad)
         if mode == 0:
             value = body.friction - abs(acceleration(z, u, body))
-            slope = pad[n - 1] if body.lag > 0.0 else 0.0
-            if body.ratio > 0.0:
-                slope -= body.pad_damping * pad[3] + body.pad_stiffness * pad[2]
-            if body.coil > 0.0:
-                slope -= body.coil * pad[coil_at(body)]
+            slope = held_slope(pad, body)
             bound = held_bound(pad, body)
             fall = -abs(slope)
         else:
