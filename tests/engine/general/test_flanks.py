@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from hknob_cli.engine.general import flanks
+from hknob_cli.engine.general import flanks, teeth
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.flanks import (
     kind_of,
@@ -511,6 +511,18 @@ def test_where_teeth_meet_a_motor_that_stood_starts_by_its_neighbours_delay(monk
             assert cols == [1.0, 2.0, 3.0, 4.0, 9.0]
         meet_with_friction([0.0, 0.0, 0.0, -0.25], u, -1, before, way, cols, 1, 5, one)
         assert cols != [1.0, 2.0, 3.0, 4.0, 9.0]
+
+
+@pytest.mark.parametrize("flank_of", [0.0, 1.0])
+def test_what_stands_between_teeth_that_touch_is_one_step(flank_of: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing changes, and yet the overlap of teeth is 0, not above it: as where a motion has died away."""
+    body, steps = body_of("plain"), []
+    accept = teeth.accept
+    monkeypatch.setattr(teeth, "accept", lambda z, pad, n: steps.append(len(steps)) or accept(z, pad, n))
+    z = [-body.shift, 0.0, -flank_of * body.play, 0.0]
+    body = body._replace(finger_stiffness=0.0, matrices=[0.0] * len(body.matrices), vectors=[0.0] * len(body.vectors))
+    assert press(list(z), 0.0, 0, 0, 1.0, False, body, [0.0] * (2 * body.order)) == (1.0, 0, inf)
+    assert len(steps) == 1
 
 
 @pytest.mark.parametrize("name", ["plain", "rubs", "rubs, lag", "rubs, wound"])
