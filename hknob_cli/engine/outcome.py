@@ -41,6 +41,7 @@ class Reason(IntEnum):
     PARTS = 23
     JITTERS = 24
     COGS = 25
+    RACES = 26
 
 
 WORDS = {
@@ -61,6 +62,7 @@ WORDS = {
     Reason.CONSERVATIVE: "neither damping nor friction: the motion repeats, one of a continuum of its kind",
     Reason.PARTS: "teeth part in the cycle: it attracts to first order, but no bound on how far away is proven",
     Reason.COGS: "cogging holds the knob on no slope all along: the cycle attracts to first order, which is no proof",
+    Reason.RACES: "grew beyond a thousand times its start and static depth, past 1024 corners of cogging a sample",
     Reason.JITTERS: "no two sample intervals are alike: no motion repeats, and rest is not proven",
     Reason.TOO_LONG: "it repeats, but its period has too many turning points to measure",
     Reason.NOT_AFFINE: "the controller is not piecewise affine: it repeats, and attracts to first order",

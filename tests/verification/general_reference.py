@@ -625,8 +625,10 @@ class Relays:
         self.log.append((sample, turn, theta, gap))
 
     def read(self) -> Any:
-        """Angle that the encoder reports [rad]."""
-        count = max(self.above(edge) for edge, on in self.on.items() if on)
+        """Angle that the encoder reports [rad]. Raises `NotHandledError` past the last relay."""
+        count = max((self.above(edge) for edge, on in self.on.items() if on), default=None)
+        if count is None or all(self.on.values()):
+            raise NotHandledError("turned further than there are relays")
         return (count + self.control.offset) * self.control.quantum
 
 

@@ -55,6 +55,7 @@ CASES: dict[str, dict[str, Any]] = {
     "hysteresis, rounding, offset": scene(
         encoder={"hysteresis_counts": 0.7, "rounding": "nearest", "offset_counts": 0.3}, cogging=DENSE
     ),
+    "slack, finger, friction": scene(encoder={"backlash": 2e-3}, hand=TWO_PARTS, knob=LIGHT, cogging=STRONG),
     "a gear that yields": scene(knob={"coulomb_torque": 0.0}, gear=GEAR, cogging=FEW),
     "detents, limit, virtual damping": scene(
         wall={"damping": 3e-5},
@@ -247,6 +248,15 @@ def test_proven_cycles_again_at_60_digits() -> None:
             assert abs(float(x - mp.mpf(end.x))) <= end.bound
             checked += 1
     assert checked >= 8
+
+
+@pytest.mark.parametrize("more", [{}, {"encoder": {"hysteresis_counts": 0.15}}])
+def test_a_motion_that_grows_is_given_up(more: dict[str, Any]) -> None:
+    """Each corner takes its steps, and a motion a million times as large as its start passes millions of them."""
+    grows = {"dead_zone": {"width": 0.0115, "stiffness": 1.5}, "wall": {"stiffness": 0.0}}
+    cell = Cell(scene(hand=TWO_PARTS, cogging={**STRONG, "torque": 4e-4}, **grows, **more), rate=464.0, counts=256)
+    (end,) = cell.found
+    assert (end.outcome, end.reason, end.trials) == (Outcome.DIVERGED, Reason.RACES, 4.0)
 
 
 def test_energy_of_cycles_over_corners() -> None:

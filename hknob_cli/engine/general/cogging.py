@@ -41,11 +41,22 @@ FREE = 2  # mode of a motion whose turning points do not matter
 STABLE, UNSTABLE = 6, 7  # modes of a piece that is written down, by the sign of the speed
 TURNED, RISEN, FALLEN = 1, 2, 3  # ends: of the way, or of being held; and of a slope, on the way up or down
 ROUNDINGS = 64.0
+FAR = 1e-3  # of the limit at which a trial has left
+MANY = 1024.0  # corners that are passed between two samples
 
 
 def has_cogs(cogs):
     """Whether there is cogging."""
     return cogs is not None
+
+
+def has_gone(cogs, z, limit):
+    """Whether a trial has left: it is past ``limit``; or far, and so fast that it would be followed for ever."""
+    if not -limit < z[0] < limit:
+        return True
+    if cogs is None:
+        return False
+    return abs(z[0]) > FAR * limit and abs(z[1]) > MANY * cogs[LENGTH]
 
 
 def slope_at(x, cogs):

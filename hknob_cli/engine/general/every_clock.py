@@ -38,7 +38,7 @@ class Region(NamedTuple):
 
 def is_bounded(body: Body, wall: Controller, delay: int) -> bool:
     """Whether every clock can be followed at once: the state is angle and speed, and the torque that of a reading."""
-    plain = body.order == 2 and body.friction == 0.0 and body.alpha > 0.0 and body.beta > 0.0
+    plain = body.order == 2 and body.friction == 0.0 and body.alpha > 0.0 and body.beta > 0.0 and body.cogs is None
     return plain and delay == 0 and wall.hysteresis == 0.0 and wall.damping == 0.0 and wall.analog == 0.0
 
 

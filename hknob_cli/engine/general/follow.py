@@ -15,7 +15,7 @@ from hknob_cli.engine.follow import (
     UNSETTLED,
     same_line,
 )
-from hknob_cli.engine.general.cogging import far_apart, gap_apart, has_cogs
+from hknob_cli.engine.general.cogging import far_apart, gap_apart, has_cogs, has_gone
 from hknob_cli.engine.general.controller import command, depth_level, inside, read, read_after
 from hknob_cli.engine.general.inner_region import stands
 from hknob_cli.engine.general.interval import advance, advance_jittering
@@ -155,7 +155,7 @@ def follow_trial(
         x = z[0]
         if body.halt[0] > 0.0:
             return UNSETTLED, 0, before, head, i
-        if not -limit < x < limit:
+        if has_gone(body.cogs, z, limit):
             return GREW, 0, before, head, i
         close = False
         for row in range(rows):

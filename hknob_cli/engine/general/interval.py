@@ -2,7 +2,7 @@
 
 from hknob_cli.engine.general.advance import advance_hold, advance_span, rub_columns, rub_many
 from hknob_cli.engine.general.body import FIRST, SECOND
-from hknob_cli.engine.general.cogging import has_cogs
+from hknob_cli.engine.general.cogging import has_cogs, has_gone
 from hknob_cli.engine.general.columns import feed
 from hknob_cli.engine.general.controller import command, read_after
 from hknob_cli.engine.general.hysteresis import hold_and_count, turn_and_count
@@ -88,13 +88,13 @@ def pass_over(z, before, ring, head, samples, limit, body, wall, pad):
     if jitters(wall.clock):
         for _ in range(samples):
             before, head = advance_jittering(z, before, ring, head, body, wall, pad)
-            if not -limit < z[0] < limit or body.halt[0] > 0.0:
+            if has_gone(body.cogs, z, limit) or body.halt[0] > 0.0:
                 break
         return before, head
     if body.order > 2 or body.friction == 0.0 or delay > 0 or wall.hysteresis > 0.0 or has_cogs(body.cogs):
         for _ in range(samples):
             before, head = advance(z, before, ring, head, body, wall, pad)
-            if not -limit < z[0] < limit or body.halt[0] > 0.0:
+            if has_gone(body.cogs, z, limit) or body.halt[0] > 0.0:
                 break
         return before, head
     x, v = z[0], z[1]

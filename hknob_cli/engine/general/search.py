@@ -228,13 +228,14 @@ class GeneralEngine(Runner):
             raise NeedsCompilerError
         why = why_unrepeated(rate, budget, held=spring > 0.0) if wall.clock is None else Reason.JITTERS
         grew = Reason.SPINS if far < 1e6 * scale else Reason.GREW
+        races = body.cogs is not None and grew is Reason.GREW
         found = [
             attractor_of(
                 table[FIELDS * row : FIELDS * (row + 1)],
                 [float(value) for value in trial.states[row * n : (row + 1) * n]],
                 [float(value) for value in trial.lines[row * delay_line : (row + 1) * delay_line]],
                 why,
-                grew,
+                Reason.RACES if races and abs(trial.states[row * n]) < far else grew,
                 parts=Reason.PARTS if body.cogs is None else Reason.COGS,
                 keep=body.play > 0.0 or body.cogs is not None or wall.clock is not None,
             )

@@ -13,7 +13,7 @@ from hknob_cli.engine.follow import (
     UNDAMPED,
     UNSETTLED,
 )
-from hknob_cli.engine.general.cogging import gap_apart
+from hknob_cli.engine.general.cogging import gap_apart, has_gone
 from hknob_cli.engine.general.controller import depth_level, read_after
 from hknob_cli.engine.general.follow import (
     BESIDE,
@@ -127,7 +127,7 @@ def follow_with_law(
         x = z[0]
         if body.halt[0] > 0.0:
             return UNSETTLED, 0, i
-        if not -limit < x < limit:
+        if has_gone(body.cogs, z, limit):
             return GREW, 0, i
         close = False
         for row in range(rows):

@@ -3,6 +3,7 @@
 from hknob_cli.engine.certificate import DIFFERENT, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.ensemble import near
 from hknob_cli.engine.follow import CYCLE_PROVEN, REST_EDGE, REST_PROVEN, UNSETTLED
+from hknob_cli.engine.general.cogging import has_gone
 from hknob_cli.engine.general.controller import read, read_after
 from hknob_cli.engine.general.ensemble import begin, find, is_cycle
 from hknob_cli.engine.general.follow import FIELDS, KNOWN
@@ -152,7 +153,7 @@ def run_trials_with_law(
                 advance_jittering_with_law(z, past, body, wall, law, space.pad)
             else:
                 advance_with_law(z, past, body, wall, law, space.pad)
-            if not -limit < z[0] < limit or body.halt[0] > 0.0:
+            if has_gone(body.cogs, z, limit) or body.halt[0] > 0.0:
                 break
         fate, period, used = follow_with_law(
             z,
