@@ -105,9 +105,6 @@ _BESIDE_COGGING = {
     "bare": "what is shown of a torque that follows the motion is of one linear motion, without corners",
     "play": "teeth are followed from flank to flank, without corners of another torque",
     "squeeze": "the grip's balance leaves it out",
-    "jitter": "what is known of every clock is of one linear motion, without corners",
-    "hysteresis": "some motions are followed from turning point to turning point in steps too small to end",
-    "backlash": "some motions are followed from turning point to turning point in steps too small to end",
 }
 _LOOPS = ("general", "laws")
 # Pairs of parts that are refused by loops that take each of the two.

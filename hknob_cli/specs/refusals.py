@@ -167,8 +167,7 @@ def _of_cogging(scene: SceneSpec, axes: Axes) -> Faults:
     if not (places := given(scene, axes, PARTS["cogging"].path)):
         return []
     beside = {"bare": scene.encoder == "none", "squeeze": scene.squeeze is not None}
-    others = ("play", "hysteresis", "backlash", "jitter")
-    beside |= {part: bool(given(scene, axes, PARTS[part].path)) for part in others}
+    beside["play"] = bool(given(scene, axes, PARTS["play"].path))
     reasons = {part: BESIDE["cogging", part, "general"] for part in beside}
     return [(places[0], f"must be 0 beside {PARTS[part].title}: {reasons[part]}") for part in beside if beside[part]]
 

@@ -48,6 +48,7 @@ CASES: dict[str, dict[str, Any]] = {
         motor={"torque_constant": 0.0234, "resistance": 2.32, "inductance": 2.38e-4, "winding": "shorted"}
     ),
 }
+COGGING = {"per_revolution": 84, "torque": 2e-3, "centre": 0.01}
 GEAR = {"ratio": 7.4, "motor_inertia": 1e-8, "stiffness": 10.0, "mesh_damping": 2e-4, "backlash": 5e-3}
 LIGHT_PUSH = {"torque": 3e-4}
 THROUGH_PLAY = 60  # samples; the model steps through each of them
@@ -59,6 +60,8 @@ PASSED = {
         encoder={"hysteresis_counts": 0.4}, hand=TWO_PARTS, actuator={"time_constant": 3e-4}
     ),
     "slack, delay": scene(encoder={"backlash": 1e-3}, actuator={"delay_samples": 1.0}),
+    "cogging": scene(cogging=COGGING),
+    "cogging, hysteresis, friction": scene(cogging=COGGING, encoder={"hysteresis_counts": 0.6}, knob=LIGHT),
     "backlash": scene(bias=LIGHT_PUSH, gear=GEAR),
     "backlash, friction of the motor": scene(bias=LIGHT_PUSH, gear={**GEAR, "motor_coulomb_torque": 6e-6}),
     "backlash, hysteresis": scene(bias=LIGHT_PUSH, gear=GEAR, encoder={"hysteresis_counts": 1.2}),
