@@ -64,6 +64,12 @@ CONSTANT, CONSTANT_HELD, ENTRY = 0, 1, 2  # c, sliding and held; p
 CONSTANT_STUCK = 3  # with play and friction: c of a motor that is held
 
 
+def copy_to(target, source):
+    """Copy a state, or what is remembered."""
+    for j in range(len(source)):
+        target[j] = source[j]
+
+
 def rate_of(z, u, mode, body, out):
     """Rate of the state under the command ``u``; ``mode``: +1 and -1 sliding, 0 held, 2 without friction."""
     n = body.order

@@ -2,7 +2,7 @@
 
 from typing import Any, NamedTuple
 
-from hknob_cli.engine.certificate import DIFFERENT, NOT_CAPTURED, ON_EDGE, PROVEN
+from hknob_cli.engine.certificate import DIFFERENT, NOT_CAPTURED, PROVEN
 from hknob_cli.engine.ensemble import near
 from hknob_cli.engine.follow import (
     CYCLE_CONTINUUM,
@@ -13,11 +13,20 @@ from hknob_cli.engine.follow import (
     UNSETTLED,
 )
 from hknob_cli.engine.general.advance import advance_span
+from hknob_cli.engine.general.body import copy_to
 from hknob_cli.engine.general.controller import read, read_after
-from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, CYCLE_PARTS, FIELDS, KNOWN, follow_trial
+from hknob_cli.engine.general.follow import (
+    CYCLE_AT_EVENT,
+    CYCLE_EXPANDS,
+    CYCLE_PARTS,
+    FIELDS,
+    KNOWN,
+    fate_of,
+    follow_trial,
+)
 from hknob_cli.engine.general.interval import advance, pass_over
 from hknob_cli.engine.general.jitter import begin_clock
-from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS, certify
+from hknob_cli.engine.general.period_map import certify
 
 
 class TrialSpace(NamedTuple):
@@ -51,17 +60,6 @@ def is_cycle(fate):
         or fate == CYCLE_EXPANDS
         or fate == CYCLE_PARTS
     )
-
-
-def downgrade(status):
-    """Fate of an orbit whose proof, taken again at its deepest sample, came to ``status``."""
-    if status == ON_EDGE:
-        return CYCLE_ON_EDGE
-    if status == AT_EVENT:
-        return CYCLE_AT_EVENT
-    if status == PARTS:
-        return CYCLE_PARTS
-    return CYCLE_EXPANDS if status == EXPANDS else UNSETTLED
 
 
 def begin(z, start, part, body, pad):
@@ -125,6 +123,30 @@ def find(fate, period, z, shown, rows, table, states, order):
     return rows
 
 
+def enter_row(row, fate, period, proof, last, trial, head, rest):
+    """Write an end where it is new; of one at rest, how far its trials reach.
+
+    ``proof``: margin, edge, closure and bound of `period_map.certify`; ``last``: reading that the row keeps.
+    """
+    table, z, ring = trial.table, trial.z, trial.ring
+    base, n, delay = row * FIELDS, len(z), len(ring)
+    if row == int(trial.counts[0]):
+        trial.counts[0] = row + 1
+        table[base], table[base + 1] = fate, period
+        for j in range(4):
+            table[base + 2 + j] = proof[j]
+        table[base + 6] = 0.0
+        table[base + 7], table[base + 8] = z[0], z[0]
+        table[base + 9] = last
+        for j in range(n):
+            trial.states[row * n + j] = z[j]
+        for j in range(delay):
+            trial.lines[row * delay + j] = ring[(head + j) % delay]
+    if rest:
+        table[base + 7] = min(table[base + 7], z[0])
+        table[base + 8] = max(table[base + 8], z[0])
+
+
 def enter(fate, period, before, head, trial, body, wall):
     """Enter the end of `follow_trial` where it is new: its row, or as many as ``table`` has where there is no room.
 
@@ -141,7 +163,7 @@ def enter(fate, period, before, head, trial, body, wall):
         wall: What commands.
     """
     z, ring, space, table = trial.z, trial.ring, trial.space, trial.table
-    n, delay, rows = body.order, len(ring), int(trial.counts[0])
+    n, rows = body.order, int(trial.counts[0])
     cycle = is_cycle(fate)
     turns = period
     margin, edge, closure, bound = 0.0, 0.0, 0.0, 0.0
@@ -161,12 +183,10 @@ def enter(fate, period, before, head, trial, body, wall):
         if fate != CYCLE_PROVEN and status == DIFFERENT:
             fate = UNSETTLED
         if fate == CYCLE_PROVEN and status != PROVEN and status != NOT_CAPTURED:
-            fate = downgrade(status)
+            fate = fate_of(status)
         elif fate == CYCLE_PROVEN:
-            for j in range(n):
-                z[j] = space.orbit[j]
-            for j in range(delay):
-                ring[j] = space.orbit_line[j]
+            copy_to(z, space.orbit)
+            copy_to(ring, space.orbit_line)
             before = space.reading[0]
     if cycle and not is_cycle(fate):
         # Nothing is left of the cycle but that the trial has not settled.
@@ -177,82 +197,60 @@ def enter(fate, period, before, head, trial, body, wall):
         return -1
     if row == len(table) // FIELDS:
         return row
-    base = row * FIELDS
-    if row == rows:
-        trial.counts[0] = rows + 1
-        table[base], table[base + 1] = fate, period
-        table[base + 2], table[base + 3] = margin, edge
-        table[base + 4], table[base + 5] = closure, bound
-        table[base + 6] = 0.0
-        table[base + 7], table[base + 8] = z[0], z[0]
-        table[base + 9] = shown if rest and body.friction > 0.0 else before
-        for j in range(n):
-            trial.states[row * n + j] = z[j]
-        for j in range(delay):
-            trial.lines[row * delay + j] = ring[(head + j) % delay]
-    if rest:
-        table[base + 7] = min(table[base + 7], z[0])
-        table[base + 8] = max(table[base + 8], z[0])
+    last = shown if rest and body.friction > 0.0 else before
+    enter_row(row, fate, period, (margin, edge, closure, bound), last, trial, head, rest)
     return row
 
 
-def run_trials(start, phases, first, stop, budget, trial, body, wall):
-    """Run trials ``first`` to ``stop`` of ``phases`` and count them by attractor: ``(overflow, samples)``.
+class Batch(NamedTuple):
+    """Trials to run: from ``first`` up to before ``stop``, of ``phases`` of the sample clock.
+
+    Trial i is first sampled (i + 1/2)/phases of a period after its start.
+    """
+
+    phases: int
+    first: int
+    stop: int
+
+
+def count_end(row, trial):
+    """Count a trial that has come to the end in a row: how many find no room in the table."""
+    if row == len(trial.table) // FIELDS:
+        return 1
+    trial.table[row * FIELDS + 6] += 1.0
+    return 0
+
+
+def run_trials(start, batch, budget, trial, body, wall):
+    """Run the trials of a batch and count them by attractor: ``(overflow, samples)``.
 
     Once ``body.halt`` is above 0, no trial is counted any more.
 
     Args:
         start: State of order ``body.order`` that all trials start from.
-        phases: Of the sample clock; trial i is first sampled (i + 1/2)/phases of a period after its start.
-        first: Trial to begin with.
-        stop: Trial before which to end.
+        batch: Which trials.
         budget: How long a trial is followed.
         trial: Work space, and the ends found so far.
         body: What moves.
         wall: What commands.
     """
     z, ring = trial.z, trial.ring
-    delay, capacity = len(ring), len(trial.table) // FIELDS
     overflow, samples = 0, 0
-    for i in range(first, stop):
-        begin(z, start, (i + 0.5) / phases, body, trial.space.pad)
+    for i in range(batch.first, batch.stop):
+        begin(z, start, (i + 0.5) / batch.phases, body, trial.space.pad)
         begin_clock(wall.clock, float(i))
-        for j in range(delay):
+        for j in range(len(ring)):
             ring[j] = 0.0
-        head = 0 * delay
+        head = 0 * len(ring)
         before = read(z[0], wall)
         before, head = pass_over(z, before, ring, head, budget.skip, budget.limit, body, wall, trial.space.pad)
-        fate, period, before, head, used = follow_trial(
-            z,
-            before,
-            ring,
-            head,
-            budget.samples - budget.skip,
-            budget.final,
-            budget.limit,
-            body,
-            wall,
-            trial.space,
-            trial.check,
-            trial.check_ring,
-            trial.keep,
-            trial.keep_ring,
-            int(trial.counts[0]),
-            trial.table,
-            trial.states,
-            trial.lines,
-        )
+        fate, row, before, head, used = follow_trial(trial, before, head, budget, body, wall)
         samples += used + budget.skip
         if body.halt[0] > 0.0:
             return overflow, samples
-        if fate == KNOWN:
-            trial.table[period * FIELDS + 6] += 1.0
-            continue
-        row = enter(fate, period, before, head, trial, body, wall)
-        if row < 0:
-            return overflow, samples
-        if row == capacity:
-            overflow += 1
-            continue
-        trial.table[row * FIELDS + 6] += 1.0
+        if fate != KNOWN:
+            row = enter(fate, row, before, head, trial, body, wall)
+            if row < 0:
+                return overflow, samples
+        overflow += count_end(row, trial)
     return overflow, samples

@@ -15,6 +15,7 @@ from hknob_cli.engine.follow import (
     UNSETTLED,
     same_line,
 )
+from hknob_cli.engine.general.body import copy_to
 from hknob_cli.engine.general.cogging import far_apart, gap_apart, has_cogs, has_gone
 from hknob_cli.engine.general.controller import command, depth_level, inside, read, read_after
 from hknob_cli.engine.general.inner_region import stands
@@ -36,10 +37,21 @@ PROOF_COST = 8  # periods that a trial with a continuous sensor goes on for afte
 FIELDS = 10  # of an attractor: fate, period, margin, edge, closure, bound, trials, least, most position, reading before
 
 
-def captured(z, before, ring, head, body, wall, away, rows, table, states, lines):
-    """Row of the proven orbit, at its deepest sample, so close to ``z`` that it is followed for ever; -1 if none."""
+def may_be_captured(x, trial, body):
+    """Whether a position is within the margin of the deepest sample of a proven orbit."""
+    for row in range(int(trial.counts[0])):
+        base = row * FIELDS
+        if abs(x - trial.states[row * body.order]) < trial.table[base + 2] and trial.table[base] == CYCLE_PROVEN:
+            return True
+    return False
+
+
+def captured(trial, before, head, body, wall):
+    """Row of the proven orbit so close, at its deepest sample, to a trial that it is followed for ever; -1 if none."""
+    z, ring, away = trial.z, trial.ring, trial.space.away
+    table, states, lines = trial.table, trial.states, trial.lines
     n, delay = body.order, len(ring)
-    for row in range(rows):
+    for row in range(int(trial.counts[0])):
         base = row * FIELDS
         margin = table[base + 2] - table[base + 5]
         if table[base] != CYCLE_PROVEN or abs(z[0] - states[row * n]) >= margin:
@@ -66,19 +78,24 @@ def has_period(period, rows, table):
     return False
 
 
-def closes_in(z, before, ring, head, period, gap, body, wall, space):
+def rubs_alone(ring, body, wall):
+    """Whether friction is all that a scene of angle and speed has more than a plain one."""
+    alone = body.order == 2 and len(ring) == 0 and body.friction > 0.0
+    return alone and wall.hysteresis == 0.0 and not has_cogs(body.cogs)
+
+
+def closes_in(trial, before, head, period, gap, body, wall):
     """Whether a trial that came back to within ``gap`` has the same readings again, and comes no less close.
 
     Motions with the same readings never part, so a candidate period that fails is none; this is cheaper than a proof.
     Where teeth part, or beside cogging, motions may part for a while, too, and only the readings are compared.
-    ``space.trail`` has the readings of the period that led here, as far as it reaches.
+    ``space.trail`` of the trial has the readings of the period that led here, as far as it reaches.
     """
+    z, ring, space = trial.z, trial.ring, trial.space
     n = body.order
-    for j in range(n):
-        space.state[j] = z[j]
-    for j in range(len(ring)):
-        space.line[j] = ring[j]
-    plain = n == 2 and len(ring) == 0 and body.friction > 0.0 and wall.hysteresis == 0.0 and not has_cogs(body.cogs)
+    copy_to(space.state, z)
+    copy_to(space.line, ring)
+    plain = rubs_alone(ring, body, wall)
     for k in range(period):
         if body.halt[0] > 0.0:
             return False
@@ -97,72 +114,116 @@ def closes_in(z, before, ring, head, period, gap, body, wall, space):
     return body.play > 0.0 or has_cogs(body.cogs) or gap_apart(body.cogs, space.away, body) <= gap
 
 
-def contracts_to_rest(z, shown, before, ring, head, body, wall, space):
+def contracts_to_rest(trial, shown, before, head, body, wall):
     """Whether, with a continuous sensor inside the wall, the loop is proven to bring a trial to rest.
 
-    Then ``z`` and ``ring`` are left as they are there.
+    Then its state and delay line are left as they are there.
     """
+    z, ring, space = trial.z, trial.ring, trial.space
     if wall.analog == 0.0 or not shown < 0.0:
         return False
     status, _, _, _, _ = certify(z, before, ring, head, 1, body, wall, space)
     if status != PROVEN:
         return False
-    for j in range(body.order):
-        z[j] = space.orbit[j]
+    copy_to(z, space.orbit)
     z[1] = 0.0
-    for j in range(len(ring)):
-        ring[j] = space.orbit_line[j]
+    copy_to(ring, space.orbit_line)
     return True
 
 
-def follow_trial(
-    z,
-    before,
-    ring,
-    head,
-    budget,
-    final,
-    limit,
-    body,
-    wall,
-    space,
-    check,
-    checkring,
-    keep,
-    keepring,
-    rows,
-    table,
-    states,
-    lines,
-):
-    """Follow a trial for at most ``budget`` samples: ``(fate, period, before, head, samples)``.
+def fate_of(status):
+    """Fate of a periodic motion by the ``status`` of a proof that has failed."""
+    if status == ON_EDGE:
+        return CYCLE_ON_EDGE
+    if status == AT_EVENT:
+        return CYCLE_AT_EVENT
+    if status == PARTS:
+        return CYCLE_PARTS
+    return CYCLE_EXPANDS if status == EXPANDS else UNSETTLED
 
-    ``z`` and ``ring`` are left at the orbit's state. ``check`` and ``keep`` (order), ``checkring`` and ``keepring``
-    (delay) are work space. The ``rows`` of ``table``, ``states`` and ``lines`` are the attractors known already; where
-    the trial reaches one of them, the fate is `KNOWN` and the period its row. ``final``: whether the trial gets no more
-    samples than these, so that a last look at how it stands is worth it.
+
+def beside_orbit(trial, body):
+    """How far a trial is from the orbit that the last proof was of, by `cogging.gap_apart`."""
+    away = trial.space.away
+    for j in range(body.order):
+        away[j] = trial.z[j] - trial.space.orbit[j]
+    return gap_apart(body.cogs, away, body)
+
+
+def look_at_rest(trial, shown, before, head, body, wall):
+    """What becomes of a trial that may come to rest: ``(fate, reading, settling)``; at rest it is left there.
+
+    `UNSETTLED` if nothing is known; ``settling``: whether its reading never changes, and friction brings it to rest.
     """
-    n, delay = body.order, len(ring)
+    z, ring, space = trial.z, trial.ring, trial.space
+    fate, _ = settles(z, shown, before, ring, body, wall, space.orbit, space.away)
+    settling = fate == SETTLING
+    if fate == AT_REST or (settling and stands(z, before, ring, head, body, wall, space)):
+        copy_to(z, space.orbit)
+        return REST_PROVEN, shown if wall.hysteresis > 0.0 else before, settling
+    if fate == MOVING and contracts_to_rest(trial, shown, before, head, body, wall):
+        return REST_PROVEN, z[0], settling
+    if fate == LEAVES:
+        return LEFT, before, settling
+    if fate == RINGS:
+        return UNDAMPED, before, settling
+    return REST_EDGE if fate == REST_ON_EDGE else UNSETTLED, before, settling
+
+
+def last_look(trial, shown, before, head, body, wall, settling, on_edge):
+    """What a trial has come to that gets no more samples: ``(fate, period, reading)``; as `look_at_rest`.
+
+    ``settling`` and ``on_edge``: of the last such look. Looks grow rare: without one more, the share at rest could fall
+    when the limit is raised.
+    """
+    z, ring, space = trial.z, trial.ring, trial.space
+    if not on_edge:
+        shown = read_after(z[0], before, wall)
+    fate, _ = settles(z, shown, before, ring, body, wall, space.orbit, space.away)
+    if on_edge:
+        if fate == REST_ON_EDGE:
+            copy_to(z, space.orbit)
+        return REST_EDGE, 1, before
+    if settling or fate == SETTLING or fate == AT_REST:
+        copy_to(z, space.orbit)
+        return REST_PROVEN, 1, shown if wall.hysteresis > 0.0 else before
+    if fate == MOVING and contracts_to_rest(trial, shown, before, head, body, wall):
+        return REST_PROVEN, 1, z[0]
+    return (UNSETTLED if body.damped else UNDAMPED), 0, before
+
+
+def follow_trial(trial, before, head, budget, body, wall):
+    """Follow a trial until its fate is proven: ``(fate, period, before, head, samples)``.
+
+    It has passed what its budget skips. Where it reaches an end that is known already, the fate is `KNOWN` and the
+    period its row.
+
+    Args:
+        trial: `ensemble.TrialSpace`, or what has fields of these names; its state is left at the orbit's.
+        before: Reading one sample before the state in ``trial.z``.
+        head: Where the oldest command is in ``trial.ring``.
+        budget: How long it may take.
+        body: What moves.
+        wall: What commands.
+    """
+    z, ring, space = trial.z, trial.ring, trial.space
+    samples = budget.samples - budget.skip
     have, events, next_checkpoint, since = False, 0, 1, 0
     chead, tolerance = head, FIRST_TOLERANCE
     kept, kept_fate, kept_head, kept_before = 0, CYCLE_ON_EDGE, head, before
-    resting_on_edge, settling = False, False
+    on_edge, settling = False, False
     shown = read(z[0], wall)
     level = depth_level(shown, wall)
     run, next_test = 0, FIRST_REST_TEST
     left_alone, wait = 0, 0
-    for i in range(budget):
+    for i in range(samples):
         x = z[0]
         if body.halt[0] > 0.0:
             return UNSETTLED, 0, before, head, i
-        if has_gone(body.cogs, z, limit):
+        if has_gone(body.cogs, z, budget.limit):
             return GREW, 0, before, head, i
-        close = False
-        for row in range(rows):
-            if abs(x - states[row * n]) < table[row * FIELDS + 2] and table[row * FIELDS] == CYCLE_PROVEN:
-                close = True
-        if close and wall.analog == 0.0:
-            row = captured(z, before, ring, head, body, wall, space.away, rows, table, states, lines)
+        if wall.analog == 0.0 and may_be_captured(x, trial, body):
+            row = captured(trial, before, head, body, wall)
             if row >= 0:
                 return KNOWN, row, before, head, i
         last = shown
@@ -173,78 +234,54 @@ def follow_trial(
             run += 1
             if run >= next_test:
                 next_test = 2 * run
-                fate, _ = settles(z, shown, before, ring, body, wall, space.orbit, space.away)
-                if fate == SETTLING:
-                    settling = True
-                    if stands(z, before, ring, head, body, wall, space):
-                        fate = AT_REST
-                if fate == AT_REST:
-                    for j in range(n):
-                        z[j] = space.orbit[j]
-                    return REST_PROVEN, 1, shown if wall.hysteresis > 0.0 else before, head, i
-                if fate == LEAVES:
-                    return LEFT, 0, before, head, i
-                if fate == RINGS:
-                    return UNDAMPED, 0, before, head, i
-                resting_on_edge = fate == REST_ON_EDGE
-                if fate == MOVING and contracts_to_rest(z, shown, before, ring, head, body, wall, space):
-                    return REST_PROVEN, 1, z[0], head, i
+                fate, reading, settles_now = look_at_rest(trial, shown, before, head, body, wall)
+                settling = settling or settles_now
+                on_edge = fate == REST_EDGE
+                if fate == REST_PROVEN:
+                    return fate, 1, reading, head, i
+                if fate == LEFT or fate == UNDAMPED:
+                    return fate, 0, before, head, i
         else:
             run, next_test = 0, FIRST_REST_TEST
-            resting_on_edge, settling = False, False
+            on_edge, settling = False, False
         if level < level_before and not jitters(wall.clock):
             if have:
-                for j in range(n):
-                    space.away[j] = z[j] - check[j]
+                for j in range(body.order):
+                    space.away[j] = z[j] - trial.check[j]
                 gap = gap_apart(body.cogs, space.away, body)
-                if gap < tolerance and (wall.analog > 0.0 or same_line(ring, head, checkring, chead)):
+                if gap < tolerance and (wall.analog > 0.0 or same_line(ring, head, trial.check_ring, chead)):
                     status, margin = DIFFERENT, 0.0
-                    known = wall.analog == 0.0 and has_period(since, rows, table)
+                    known = wall.analog == 0.0 and has_period(since, int(trial.counts[0]), trial.table)
                     if i < wait:
                         status = WAIT
                     elif known and gap > 0.0 and left_alone < PATIENCE:
                         # Probably an orbit known already, whose deepest sample will show it.
                         status, left_alone = WAIT, left_alone + 1
                         tolerance = 0.25 * gap
-                    elif wall.analog > 0.0 or closes_in(z, before, ring, head, since, gap, body, wall, space):
+                    elif wall.analog > 0.0 or closes_in(trial, before, head, since, gap, body, wall):
                         status, margin, _, _, _ = certify(z, before, ring, head, since, body, wall, space)
                         if wall.analog > 0.0:
                             wait = i + PROOF_COST * since
                         if status == NEUTRAL and body.friction > 0.0:
                             status = DIFFERENT  # held by friction: no cycle
                     if status == PROVEN or status == NEUTRAL:
-                        for j in range(n):
-                            z[j] = space.orbit[j]
-                        for j in range(delay):
-                            ring[j] = space.orbit_line[j]
+                        copy_to(z, space.orbit)
+                        copy_to(ring, space.orbit_line)
                         fate = CYCLE_PROVEN if status == PROVEN else CYCLE_CONTINUUM
                         return fate, since, space.reading[0], head, i
                     if status == ON_EDGE or status == AT_EVENT or status == EXPANDS or status == PARTS:
                         kept, kept_head, kept_before = since, head, space.reading[0]
-                        kept_fate = CYCLE_ON_EDGE
-                        if status != ON_EDGE:
-                            kept_fate = CYCLE_AT_EVENT if status == AT_EVENT else CYCLE_EXPANDS
-                        if status == PARTS:
-                            kept_fate = CYCLE_PARTS
-                        for j in range(n):
-                            keep[j] = space.orbit[j]
-                        for j in range(delay):
-                            keepring[j] = space.orbit_line[j]
-                        if status == PARTS:
-                            for j in range(n):
-                                space.away[j] = z[j] - keep[j]
-                            if gap_apart(body.cogs, space.away, body) < BESIDE:
-                                for j in range(n):
-                                    z[j] = keep[j]
-                                for j in range(delay):
-                                    ring[j] = keepring[j]
-                                return CYCLE_PARTS, since, kept_before, head, i
+                        kept_fate = fate_of(status)
+                        copy_to(trial.keep, space.orbit)
+                        copy_to(trial.keep_ring, space.orbit_line)
+                        if status == PARTS and beside_orbit(trial, body) < BESIDE:
+                            copy_to(z, trial.keep)
+                            copy_to(ring, trial.keep_ring)
+                            return CYCLE_PARTS, since, kept_before, head, i
                     if status != WAIT:
                         tolerance = 0.5 * gap
                     if status == NOT_CAPTURED:
-                        for j in range(n):
-                            space.away[j] = z[j] - space.orbit[j]
-                        away = gap_apart(body.cogs, space.away, body)
+                        away = beside_orbit(trial, body)
                         tolerance = gap * min(1.0, 0.9 * margin / away) if away > 0.0 else 0.5 * gap
                     elif status == DIFFERENT and gap == 0.0:
                         tolerance = FIRST_TOLERANCE
@@ -253,48 +290,24 @@ def follow_trial(
                 next_checkpoint = 2 * events
                 have, since = True, 0
                 chead, tolerance = head, FIRST_TOLERANCE
-                for j in range(n):
-                    check[j] = z[j]
-                for j in range(delay):
-                    checkring[j] = ring[j]
+                copy_to(trial.check, z)
+                copy_to(trial.check_ring, ring)
         if since < len(space.trail):
             space.trail[since] = shown
         since += 1
         if jitters(wall.clock):
             before, head = advance_jittering(z, before, ring, head, body, wall, space.pad)
-        elif (
-            body.order == 2
-            and delay == 0
-            and body.friction > 0.0
-            and wall.hysteresis == 0.0
-            and not has_cogs(body.cogs)
-        ):
+        elif rubs_alone(ring, body, wall):
             u = command(shown, before, wall)
             z[0], z[1] = step_with_friction(x, z[1], u, 1.0, body.s2, body.g2, body.f2, body)
             before = shown
         else:
             before, head = advance(z, before, ring, head, body, wall, space.pad)
-    if not final:  # what has repeated without proof may yet be left, or proven
-        return (UNSETTLED if body.damped else UNDAMPED), 0, before, head, budget
+    if not budget.final:  # what has repeated without proof may yet be left, or proven
+        return (UNSETTLED if body.damped else UNDAMPED), 0, before, head, samples
     if kept > 0:
-        for j in range(n):
-            z[j] = keep[j]
-        for j in range(delay):
-            ring[j] = keepring[j]
-        return kept_fate, kept, kept_before, kept_head, budget
-    if resting_on_edge:
-        fate, _ = settles(z, shown, before, ring, body, wall, space.orbit, space.away)
-        if fate == REST_ON_EDGE:
-            for j in range(n):
-                z[j] = space.orbit[j]
-        return REST_EDGE, 1, before, head, budget
-    # The tests grow rare: without one more, the share at rest could fall when the limit is raised.
-    shown = read_after(z[0], before, wall)
-    fate, _ = settles(z, shown, before, ring, body, wall, space.orbit, space.away)
-    if settling or fate == SETTLING or fate == AT_REST:
-        for j in range(n):
-            z[j] = space.orbit[j]
-        return REST_PROVEN, 1, shown if wall.hysteresis > 0.0 else before, head, budget
-    if fate == MOVING and contracts_to_rest(z, shown, before, ring, head, body, wall, space):
-        return REST_PROVEN, 1, z[0], head, budget
-    return (UNSETTLED if body.damped else UNDAMPED), 0, before, head, budget
+        copy_to(z, trial.keep)
+        copy_to(ring, trial.keep_ring)
+        return kept_fate, kept, kept_before, kept_head, samples
+    fate, period, before = last_look(trial, shown, before, head, body, wall, settling, on_edge)
+    return fate, period, before, head, samples

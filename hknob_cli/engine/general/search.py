@@ -212,11 +212,11 @@ class GeneralEngine(Runner):
                     raise StoppedError
                 stop = min(first + slice_size, phases)
                 begin = perf_counter()
-                runs = [(one, AT_ONCE, 0, 1) for one in several[first:stop]] if several else None
-                for k, (state, among, low, high) in enumerate(runs or [(start, phases, first, stop)]):
+                runs = [(one, ensemble.Batch(AT_ONCE, 0, 1)) for one in several[first:stop]] if several else None
+                for k, (state, batch) in enumerate(runs or [(start, ensemble.Batch(phases, first, stop))]):
                     if wall.clock is not None and runs:
                         wall.clock[TRIAL] = float(first + k)  # each start has intervals of its own
-                    full, taken = self._run_trials(self.filled(state), among, low, high, followed, trial, ready, wall)
+                    full, taken = self._run_trials(self.filled(state), batch, followed, trial, ready, wall)
                     overflow += full
                     samples += int(taken)
                 # Compiled code does not hear an interruption. The result does not depend on the slices.

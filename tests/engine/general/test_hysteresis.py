@@ -13,7 +13,7 @@ from hknob_cli.engine.general.advance import rub_many
 from hknob_cli.engine.general.controller import Controller, edge_gap, read_after
 from hknob_cli.engine.general.follow import FIELDS, captured
 from hknob_cli.engine.general.hysteresis import pass_still, turn_and_count, way_at_most
-from hknob_cli.engine.general.search import GeneralEngine
+from hknob_cli.engine.general.search import GeneralEngine, make_space
 from hknob_cli.errors import ComputationError
 from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.scene.trial import simulate
@@ -21,6 +21,7 @@ from hknob_cli.stages.dfa.run import DfaStage
 from hknob_cli.stages.sweep.record import record_sweep
 from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import faults_of, loaded
+from tests.engine.trial_space import trial_of
 
 TEXT = """\
 kind: sweep
@@ -102,8 +103,9 @@ def test_a_trial_with_another_count_is_not_captured() -> None:
     assert len(row) == FIELDS
     state = [-0.1, 0.01]
     for before, expected in ((-1.0, 0), (0.0, -1), (-2.0, -1)):
-        found = captured(state, before, [], 0, knob.body, knob.wall, [0.0, 0.0], 1, row, state, [0.0])
-        assert found == expected
+        space = make_space(2, 0, lambda count: [0.0] * count)
+        trial = trial_of(state, [], space, [row], [state])
+        assert captured(trial, before, 0, knob.body, knob.wall) == expected
 
 
 def commands_at_samples(chart: Any) -> list[float]:

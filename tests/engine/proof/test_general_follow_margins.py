@@ -13,6 +13,7 @@ from hknob_cli.engine.general.controller import Controller, read
 from hknob_cli.engine.general.follow import FIELDS, captured, closes_in, contracts_to_rest, has_period
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.search import make_space
+from tests.engine.trial_space import trial_of
 
 from .test_standstill_margins import WALL, body
 
@@ -37,11 +38,9 @@ def found(
     head: int = 0,
     lines: tuple[tuple[float, ...], ...] = (),
 ) -> int:
-    table = [x for one_row in rows for x in one_row]
-    flat, kept = [x for state in states for x in state], [x for line in lines for x in line]
-    return captured(
-        z, before, list(ring), head, one or body(beta=0.25), wall, [7.0, 7.0], len(rows), table, flat, kept or [0.0]
-    )
+    space = make_space(2, len(ring), lambda count: [7.0] * count)
+    trial = trial_of(z, list(ring), space, rows, states, list(lines))
+    return captured(trial, before, head, one or body(beta=0.25), wall)
 
 
 def test_a_trial_within_the_margin_less_its_bound_has_reached_the_orbit() -> None:
@@ -132,7 +131,7 @@ def repeats(
     for k in range(len(space.trail)):
         space.trail[k] = trail[k] if k < len(trail) else 5.0
     kept = list(z), list(ring)
-    result = bool(closes_in(z, before, ring, 0, period, gap, one, wall, space))
+    result = bool(closes_in(trial_of(z, ring, space), before, 0, period, gap, one, wall))
     assert (z, ring) == kept
     return result
 
@@ -163,8 +162,9 @@ def test_readings_beyond_those_kept_are_not_compared() -> None:
     one, z = body(alpha=0.1, beta=1.0, push=1.5), [-0.5, 0.0]  # at rest, where it comes back to the last bit
     assert repeats(z, 6, 0.0, one)
     space = make_space(2, 0, lambda count: [7.0] * count)._replace(trail=[-1.0] * 3)
-    assert closes_in(z, -1.0, [], 0, 6, 0.0, one, WALL, space)
-    assert not closes_in(z, -1.0, [], 0, 6, 0.0, one, WALL, space._replace(trail=[-1.0, -1.0, -2.0]))
+    assert closes_in(trial_of(z, [], space), -1.0, 0, 6, 0.0, one, WALL)
+    other = space._replace(trail=[-1.0, -1.0, -2.0])
+    assert not closes_in(trial_of(z, [], other), -1.0, 0, 6, 0.0, one, WALL)
 
 
 def test_readings_outside_the_wall_are_one() -> None:
@@ -189,7 +189,7 @@ def contracts(
     z, ring = [x, 0.125], [1.0, 2.0]
     with monkeypatch.context() as patch:
         patch.setattr(follow, "certify", certify)
-        whether = contracts_to_rest(z, read(x, wall), -2.0, ring, 1, body(), wall, space)
+        whether = contracts_to_rest(trial_of(z, ring, space), read(x, wall), -2.0, 1, body(), wall)
     return bool(whether), z, ring, asked
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from hknob_cli.engine.budget import TrialBudget
 from hknob_cli.engine.certificate import DIFFERENT, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.follow import (
     CYCLE_CONTINUUM,
@@ -35,6 +36,7 @@ from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS
 from hknob_cli.engine.general.search import make_space
 from hknob_cli.engine.general.standstill import SETTLING
 from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, REST_ON_EDGE, RINGS
+from tests.engine.trial_space import trial_of
 
 from .test_general_follow_margins import row
 from .test_standstill_margins import WALL, body
@@ -106,8 +108,8 @@ class Trial:
         self.asked.append(self.at)
         return int(self.more["captor"])
 
-    def closes_in(self, z: Any, before: float, ring: Any, head: int, period: int, gap: float, *rest: Any) -> bool:
-        self.trails.append(list(rest[-1].trail[:period]))
+    def closes_in(self, trial: Any, before: float, head: int, period: int, gap: float, *rest: Any) -> bool:
+        self.trails.append(list(trial.space.trail[:period]))
         return bool(self.more["closes"])
 
     def run(self, one: Any = None, wall: Any = WALL, *, final: bool = True, limit: float = 1e9) -> Any:
@@ -116,11 +118,9 @@ class Trial:
         space = make_space(2, delay, lambda count: [7.0] * count)
         space = space._replace(trail=[7.0] * self.more.get("trail", 9))
         self.z, self.ring = list(self.states[0]), list(self.lines[0])
-        return follow_trial(
-            self.z, -9.0, self.ring, 0, len(self.states) - 1, final, limit, one or body(), wall, space,
-            [7.0] * 2, [7.0] * delay, [7.0] * 2, [7.0] * delay, len(rows), [x for each in rows for x in each],
-            [x for state in self.more.get("places", []) for x in state], [],
-        )  # fmt: skip
+        trial = trial_of(self.z, self.ring, space, rows, self.more.get("places", []))
+        budget = TrialBudget(5, len(self.states) + 4, final, limit)  # what it skips has passed
+        return follow_trial(trial, -9.0, 0, budget, one or body(), wall)
 
 
 @pytest.fixture

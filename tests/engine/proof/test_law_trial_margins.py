@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from hknob_cli.engine.budget import TrialBudget
 from hknob_cli.engine.certificate import DIFFERENT, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.follow import (
     CYCLE_CONTINUUM,
@@ -35,6 +36,7 @@ from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS
 from hknob_cli.engine.general.search import make_space
 from hknob_cli.engine.general.standstill import SETTLING
 from hknob_cli.engine.rest import AT_REST, MOVING, REST_ON_EDGE, RINGS
+from tests.engine.trial_space import trial_of
 
 from .test_general_follow_margins import row
 from .test_general_trial_margins import CONTINUOUS, FIRST, State, returns
@@ -112,11 +114,9 @@ class Trial:
         """``(fate, period, samples)``; where it is left, in ``z`` and ``past``."""
         rows = self.more.get("rows", [])
         self.z, self.past = list(self.states[0]), [0.0]
-        return follow_with_law(
-            self.z, self.past, len(self.states) - 1, final, limit, one or body(), wall, self.law,
-            make_space(2, 1, lambda count: [7.0] * count), [7.0] * 2, [7.0], [7.0] * 2, [7.0], len(rows),
-            [x for each in rows for x in each], [x for state in self.more.get("places", []) for x in state], [],
-        )  # fmt: skip
+        space = make_space(2, 1, lambda count: [7.0] * count)
+        trial = trial_of(self.z, self.past, space, rows, self.more.get("places", []))
+        return follow_with_law(trial, TrialBudget(3, len(self.states) + 2, final, limit), one or body(), wall, self.law)
 
 
 @pytest.fixture
@@ -305,8 +305,9 @@ def test_a_law_that_senses_has_a_proof_for_each_trial(trial: Callable[..., Trial
     gap = 2.0**-6
     gaps = [gap, 0.5 * gap, 0.499 * gap]
     asked = tried(gaps, trial, proofs=lambda _: NOT_CAPTURED, law=one, orbit=[-0.75, gap], margin=9.0)
+    space = make_space(2, 1, lambda count: [7.0] * count)
     assert asked == [True, False, True]
-    assert captured_with_law([0.0, 0.0], [0.0], body(), one, [0.0] * 2, 1, row(), [0.0, 0.0], [0.0]) == -1
+    assert captured_with_law(trial_of([0.0, 0.0], [0.0], space, [row()], [[0.0, 0.0]], [[0.0]]), body(), one) == -1
 
 
 def test_a_trial_that_is_not_at_its_last_is_open(trial: Callable[..., Trial]) -> None:
@@ -458,9 +459,8 @@ def test_a_known_orbit_captures_within_its_margin_and_guards(side: float) -> Non
     def row_of(off: State, memory: list[float], law: Any = FADING, **more: Any) -> int:
         rows, pasts = [row(fate=CYCLE_ON_EDGE), row(**more)], [*base, *base]
         z = [here[0] + side * off[0], here[1] + side * off[1]]
-        return captured_with_law(
-            z, memory, one, law, [7.0] * 2, 2, [x for each in rows for x in each], [*here, *here], pasts
-        )
+        space = make_space(2, 1, lambda count: [7.0] * count)
+        return captured_with_law(trial_of(z, memory, space, rows, [here, here], [pasts]), one, law)
 
     off_by = [1.0, 2.0 + side * 0.125, 3.0, 7.0, 5.0, 6.0]  # pushes by 0.0625 / 0.5
     assert row_of((0.0, 0.0), base) == 1

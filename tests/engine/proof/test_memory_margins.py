@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from hknob_cli.engine.budget import TrialBudget
 from hknob_cli.engine.certificate import DIFFERENT, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.general.sets import memory
 
@@ -138,10 +139,7 @@ def test_under_a_law_the_torques_are_those_that_it_decides(monkeypatch: pytest.M
 @pytest.mark.parametrize("under_law", [False, True])
 def test_an_end_is_looked_for_as_that_of_one_trial(monkeypatch: pytest.MonkeyPatch, under_law: bool) -> None:
     """Which is the last: a motion that ends nowhere is decided by it."""
-    known = SimpleNamespace(
-        z=[1.0], ring=[2.0, 3.0], space="space", check="check", check_ring="line", keep="keep", keep_ring="kept",
-        counts=[5.0], table=[0.0] * 20, states="states", lines="lines",
-    )  # fmt: skip
+    known = SimpleNamespace(ring=[2.0, 3.0])
     given: list[Any] = []
 
     def follow(*some: Any) -> Any:
@@ -151,10 +149,10 @@ def test_an_end_is_looked_for_as_that_of_one_trial(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(memory, "follow_with_law" if under_law else "follow_trial", follow)
     one, chosen = body(), law() if under_law else None
     found = memory.find_end(chosen, -1.0, 100, 50.0, known, one, WALL)
-    rest = ("space", "check", "line", "keep", "kept", 5, known.table, "states", "lines")
+    last = TrialBudget(0, 100, True, 50.0)
     if under_law:
-        assert given == [([1.0], [2.0, 3.0], 100, True, 50.0, one, WALL, chosen, *rest)]
+        assert given == [(known, last, one, WALL, chosen)]
         assert found == (1, 2, -1.0, 0, 3)
     else:
-        assert given == [([1.0], -1.0, [2.0, 3.0], 0, 100, True, 50.0, one, WALL, *rest)]
+        assert given == [(known, -1.0, 0, last, one, WALL)]
         assert found == (1, 2, 3.0, 4, 5)

@@ -13,6 +13,7 @@ from hknob_cli.engine.follow import (
     UNDAMPED,
     UNSETTLED,
 )
+from hknob_cli.engine.general.body import copy_to
 from hknob_cli.engine.general.cogging import gap_apart, has_gone
 from hknob_cli.engine.general.controller import depth_level, read_after
 from hknob_cli.engine.general.follow import (
@@ -25,6 +26,7 @@ from hknob_cli.engine.general.follow import (
     PATIENCE,
     WAIT,
     has_period,
+    may_be_captured,
 )
 from hknob_cli.engine.general.jitter import jitters
 from hknob_cli.engine.general.laws.cascade import (
@@ -39,7 +41,7 @@ from hknob_cli.engine.general.laws.cascade import (
 from hknob_cli.engine.general.laws.law import AT_SWITCH, CYCLE_AT_SWITCH, REST_NOT_PROVEN
 from hknob_cli.engine.general.laws.period import REPEATS, certify_with_law
 from hknob_cli.engine.general.laws.rest import settles_with_law
-from hknob_cli.engine.general.laws.step import advance_jittering_with_law, advance_with_law, copy_to
+from hknob_cli.engine.general.laws.step import advance_jittering_with_law, advance_with_law
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS
 from hknob_cli.engine.general.standstill import SETTLING
 from hknob_cli.engine.rest import AT_REST, REST_ON_EDGE, RINGS
@@ -67,16 +69,18 @@ def fate_of(status, law):
     return UNSETTLED
 
 
-def captured_with_law(z, past, body, law, away, rows, table, states, pasts):
-    """Row of the proven orbit, at its deepest sample, so close to ``z`` that it is followed for ever; -1 if none.
+def captured_with_law(trial, body, law):
+    """Row of the proven orbit so close, at its deepest sample, to a trial that it is followed for ever; -1 if none.
 
     The last number of a row is not a reading here, but by how much the orbit's guards clear all errors, or by how much
     a sum that drifts may rise.
     """
+    z, past, away = trial.z, trial.ring, trial.space.away
+    table, states, pasts = trial.table, trial.states, trial.lines
     n, length = body.order, len(past)
     if law.senses:
         return -1  # the torques of a motion beside the orbit are others: each trial has its own proof
-    for row in range(rows):
+    for row in range(int(trial.counts[0])):
         base = row * FIELDS
         margin = table[base + 2] - table[base + 5]
         if table[base] != CYCLE_PROVEN or abs(z[0] - states[row * n]) >= margin:
@@ -108,33 +112,49 @@ def came_back(dz, past, other, within, body, law):
     return gap_apart(body.cogs, dz, body) <= within and nearly_same(past, other, law, REPEATS)
 
 
-def follow_with_law(
-    z, past, budget, final, limit, body, wall, law, space, check, checkpast, keep, keeppast, rows, table, states, pasts
-):
-    """Follow a trial for at most ``budget`` samples: ``(fate, period, samples)``; as `general.follow.follow_trial`.
+def look_at_rest_with_law(trial, shown, body, wall, law):
+    """What becomes of a trial that may come to rest: ``(fate, settling)``; as `general.follow.look_at_rest`."""
+    z, past, space = trial.z, trial.ring, trial.space
+    fate = settles_with_law(z, shown, past, body, wall, law, space.orbit, space.away)
+    if fate == SETTLING:
+        copy_to(space.state, z)
+        copy_to(law.beside, past)
+        advance_with_law(space.state, law.beside, body, wall, law, space.pad)
+        for j in range(body.order):
+            if space.state[j] != z[j]:
+                return UNSETTLED, True
+        return REST_PROVEN, True
+    if fate == AT_REST:
+        copy_to(z, space.orbit)
+        return REST_PROVEN, False
+    if fate == RINGS:
+        return UNDAMPED, False
+    return REST_EDGE if fate == REST_ON_EDGE else UNSETTLED, False
 
-    ``z`` and ``past`` are left at the orbit's state.
+
+def follow_with_law(trial, budget, body, wall, law):
+    """Follow a trial until its fate is proven: ``(fate, period, samples)``; as `general.follow.follow_trial`.
+
+    ``trial.ring`` is what the law remembers; it and ``trial.z`` are left at the orbit's state.
     """
+    z, past, space, check, checkpast = trial.z, trial.ring, trial.space, trial.check, trial.check_ring
     n = body.order
+    samples = budget.samples - budget.skip
     loosest = FIRST_TOLERANCE if law.provable else REPEATS * (1.0 + abs(z[0]))
     have, events, next_checkpoint, since = False, 0, 1, 0
     tolerance, left_alone = loosest, 0
     kept, kept_fate = 0, CYCLE_ON_EDGE
-    resting_on_edge, settling = False, False
+    on_edge, settling = False, False
     shown = read_after(z[0], past[law.line - 1], wall)
     run, next_test = 0, FIRST_REST_TEST
-    for i in range(budget):
+    for i in range(samples):
         x = z[0]
         if body.halt[0] > 0.0:
             return UNSETTLED, 0, i
-        if has_gone(body.cogs, z, limit):
+        if has_gone(body.cogs, z, budget.limit):
             return GREW, 0, i
-        close = False
-        for row in range(rows):
-            if abs(x - states[row * n]) < table[row * FIELDS + 2] and table[row * FIELDS] == CYCLE_PROVEN:
-                close = True
-        if close:
-            row = captured_with_law(z, past, body, law, space.away, rows, table, states, pasts)
+        if may_be_captured(x, trial, body):
+            row = captured_with_law(trial, body, law)
             if row >= 0:
                 return KNOWN, row, i
         last = shown
@@ -146,26 +166,16 @@ def follow_with_law(
             run += 1
             if run >= next_test:
                 next_test = 2 * run
-                fate = settles_with_law(z, read_now, past, body, wall, law, space.orbit, space.away)
-                if fate == SETTLING:
-                    settling = True
-                    copy_to(space.state, z)
-                    copy_to(law.beside, past)
-                    advance_with_law(space.state, law.beside, body, wall, law, space.pad)
-                    stands = True
-                    for j in range(n):
-                        stands = stands and space.state[j] == z[j]
-                    if stands:
-                        return REST_PROVEN, 1, i
-                if fate == AT_REST:
-                    copy_to(z, space.orbit)
-                    return REST_PROVEN, 1, i
-                if fate == RINGS:
-                    return UNDAMPED, 0, i
-                resting_on_edge = fate == REST_ON_EDGE
+                fate, settles_now = look_at_rest_with_law(trial, read_now, body, wall, law)
+                settling = settling or settles_now
+                on_edge = fate == REST_EDGE
+                if fate == REST_PROVEN:
+                    return fate, 1, i
+                if fate == UNDAMPED:
+                    return fate, 0, i
         else:
             run, next_test = 0, FIRST_REST_TEST
-            resting_on_edge, settling = False, False
+            on_edge, settling = False, False
         again = (law.senses or not law.provable) and run % LOOK_AGAIN == LOOK_AGAIN - 1
         if jitters(wall.clock):
             if again:
@@ -185,7 +195,7 @@ def follow_with_law(
                 if gap < tolerance:
                     status, margin = DIFFERENT, 0.0
                     waits = law.provable and not law.senses and gap > 0.0 and left_alone < PATIENCE
-                    if waits and has_period(since, rows, table):
+                    if waits and has_period(since, int(trial.counts[0]), trial.table):
                         status, left_alone = WAIT, left_alone + 1
                         tolerance = 0.25 * gap
                     else:
@@ -198,14 +208,14 @@ def follow_with_law(
                         return fate_of(status, law), since, i
                     if status != WAIT and status != DIFFERENT and status != NOT_CAPTURED:
                         kept, kept_fate = since, fate_of(status, law)
-                        copy_to(keep, space.orbit)
-                        copy_to(keeppast, law.periodic)
+                        copy_to(trial.keep, space.orbit)
+                        copy_to(trial.keep_ring, law.periodic)
                         for j in range(n):
-                            space.away[j] = z[j] - keep[j]
-                        beside = status == PARTS and unlike(space.away, x, past, keeppast, body, law) < BESIDE
+                            space.away[j] = z[j] - trial.keep[j]
+                        beside = status == PARTS and unlike(space.away, x, past, trial.keep_ring, body, law) < BESIDE
                         if beside or (not law.provable and (wall.analog == 0.0 or gap <= CLOSE * (1.0 + abs(x)))):
-                            copy_to(z, keep)
-                            copy_to(past, keeppast)
+                            copy_to(z, trial.keep)
+                            copy_to(past, trial.keep_ring)
                             return kept_fate, since, i
                     if status != WAIT:
                         tolerance = 0.5 * gap
@@ -227,14 +237,14 @@ def follow_with_law(
             advance_jittering_with_law(z, past, body, wall, law, space.pad)
         else:
             advance_with_law(z, past, body, wall, law, space.pad)
-    if not final:  # what has repeated without proof may yet be left, or proven
-        return (UNSETTLED if body.damped else UNDAMPED), 0, budget
+    if not budget.final:  # what has repeated without proof may yet be left, or proven
+        return (UNSETTLED if body.damped else UNDAMPED), 0, samples
     if kept > 0:
-        copy_to(z, keep)
-        copy_to(past, keeppast)
-        return kept_fate, kept, budget
-    if resting_on_edge:
-        return REST_EDGE, 1, budget
+        copy_to(z, trial.keep)
+        copy_to(past, trial.keep_ring)
+        return kept_fate, kept, samples
+    if on_edge:
+        return REST_EDGE, 1, samples
     if settling:
-        return REST_PROVEN, 1, budget
-    return (UNSETTLED if body.damped else UNDAMPED), 0, budget
+        return REST_PROVEN, 1, samples
+    return (UNSETTLED if body.damped else UNDAMPED), 0, samples

@@ -8,7 +8,7 @@ torques of that memory. What the torques may be wrong by enters the bound on the
 from math import sqrt
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
-from hknob_cli.engine.general.body import norm, stiffness
+from hknob_cli.engine.general.body import copy_to, norm, stiffness
 from hknob_cli.engine.general.cogging import ROOT, SIZE, cog_number, far_apart, has_cogs, hold_stiffness, reach_on
 from hknob_cli.engine.general.controller import count_gap, edge_gap, read_after, table_size
 from hknob_cli.engine.general.laws.cascade import (
@@ -22,7 +22,7 @@ from hknob_cli.engine.general.laws.cascade import (
 )
 from hknob_cli.engine.general.laws.law import AT_SWITCH, LOOK, PIECE, ROUNDINGS
 from hknob_cli.engine.general.laws.sensed import begin_columns, certify_sensed, move_piece_columns
-from hknob_cli.engine.general.laws.step import FREE, advance_with_law, copy_to, count_piece, decide
+from hknob_cli.engine.general.laws.step import FREE, advance_with_law, count_piece, decide
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, LEAST_SCALE, NEWTON_STEPS, PARTS
 from hknob_cli.engine.general.powers import dissipates, invert
 from hknob_cli.engine.general.teeth import flank_room

@@ -9,8 +9,7 @@ import numpy as np
 from hknob_cli.engine.attractors import USUAL, Patience
 from hknob_cli.engine.budget import TrialBudget
 from hknob_cli.engine.general.controller import Controller
-from hknob_cli.engine.general.ensemble import TrialSpace
-from hknob_cli.engine.general.follow import FIELDS
+from hknob_cli.engine.general.ensemble import Batch, TrialSpace
 from hknob_cli.engine.general.laws import parting, step, trials
 from hknob_cli.engine.general.laws.law import Law
 from hknob_cli.engine.general.search import GeneralEngine, TorqueRange, torque_range
@@ -66,31 +65,9 @@ class LawEngine(GeneralEngine):
         return Law._make(filled)._replace(act=compiled_law(law.act))
 
     def _run_with_law(
-        self, start: Any, phases: int, first: int, stop: int, budget: TrialBudget, trial: TrialSpace, *moving: Any
+        self, start: Any, batch: Batch, budget: TrialBudget, trial: TrialSpace, body: Any, wall: Any
     ) -> Any:
-        rows, overflow, samples = self._trials(
-            start,
-            phases,
-            first,
-            stop,
-            *budget,
-            len(trial.table) // FIELDS,
-            int(trial.counts[0]),
-            trial.table,
-            trial.states,
-            trial.lines,
-            *moving,
-            self._law,
-            trial.space,
-            trial.z,
-            trial.ring,
-            trial.check,
-            trial.check_ring,
-            trial.keep,
-            trial.keep_ring,
-        )
-        trial.counts[0] = rows
-        return overflow, samples
+        return self._trials(start, batch, budget, trial, body, wall, self._law)
 
     def _part_with_law(
         self, state: Any, before: float, past: Any, samples: int, body: Any, wall: Any, space: Any

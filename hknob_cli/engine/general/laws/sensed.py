@@ -12,10 +12,11 @@ Rest is a period of one sample.
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.general.advance import rub_columns
+from hknob_cli.engine.general.body import copy_to
 from hknob_cli.engine.general.controller import count_gap, edge_gap, read, table_size
 from hknob_cli.engine.general.laws.cascade import same_count
 from hknob_cli.engine.general.laws.law import AT_SWITCH, BLOCK, PIECE, ROUNDINGS, SPAN, TORQUE, F, G, S
-from hknob_cli.engine.general.laws.step import copy_to, decide
+from hknob_cli.engine.general.laws.step import decide
 from hknob_cli.engine.general.period_map import EXPANDS, LEAST_SCALE, NEWTON_STEPS
 from hknob_cli.engine.general.powers import bound_growth, dissipates, invert
 

@@ -155,12 +155,6 @@ def begin_past(past, shown, law):
         past[j] = shown
 
 
-def copy_to(target, source):
-    """Copy an array."""
-    for j in range(len(source)):
-        target[j] = source[j]
-
-
 def chart_with_law(z, past, period, body, wall, law, pad, pieces):
     """Write down one period of an orbit, as `general.trace.chart_period`."""
     rows = 0

@@ -3,16 +3,17 @@
 from hknob_cli.engine.certificate import DIFFERENT, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.ensemble import near
 from hknob_cli.engine.follow import CYCLE_PROVEN, REST_EDGE, REST_PROVEN, UNSETTLED
+from hknob_cli.engine.general.body import copy_to
 from hknob_cli.engine.general.cogging import has_gone
 from hknob_cli.engine.general.controller import read, read_after
-from hknob_cli.engine.general.ensemble import begin, find, is_cycle
+from hknob_cli.engine.general.ensemble import begin, count_end, enter_row, find, is_cycle
 from hknob_cli.engine.general.follow import FIELDS, KNOWN
 from hknob_cli.engine.general.jitter import begin_clock, jitters
 from hknob_cli.engine.general.laws.cascade import nearly_same
 from hknob_cli.engine.general.laws.follow import fate_of, follow_with_law
 from hknob_cli.engine.general.laws.law import CYCLE_AT_SWITCH, CYCLE_NOT_AFFINE, REST_NOT_PROVEN
 from hknob_cli.engine.general.laws.period import certify_with_law
-from hknob_cli.engine.general.laws.step import advance_jittering_with_law, advance_with_law, begin_past, copy_to
+from hknob_cli.engine.general.laws.step import advance_jittering_with_law, advance_with_law, begin_past
 
 SAME = 1e-9  # of what is remembered at one sample of an orbit and at another, relative
 
@@ -22,8 +23,10 @@ def is_cycle_of_law(fate):
     return is_cycle(fate) or fate == CYCLE_AT_SWITCH or fate == CYCLE_NOT_AFFINE
 
 
-def turn_to_deepest(z, past, period, body, wall, law, space, best, bestpast):
-    """Turn an orbit to its deepest sample and its shortest period, which is returned."""
+def turn_to_deepest(period, trial, body, wall, law):
+    """Turn the orbit of ``trial`` to its deepest sample and its shortest period, which is returned."""
+    z, past, space = trial.z, trial.ring, trial.space
+    best, bestpast = trial.check, trial.check_ring
     copy_to(law.periodic, past)
     copy_to(best, z)
     copy_to(bestpast, past)
@@ -45,8 +48,9 @@ def turn_to_deepest(z, past, period, body, wall, law, space, best, bestpast):
     return period
 
 
-def rest_of_law(z, past, body, wall, law, space):
-    """Fate of a motion that is the same at every sample; ``z`` and ``past`` are moved to it where that is proven."""
+def rest_of_law(trial, body, wall, law):
+    """Fate of a motion that is the same at every sample; a trial is moved to it where that is proven."""
+    z, past, space = trial.z, trial.ring, trial.space
     if not law.provable:
         return REST_NOT_PROVEN
     status, _, _, _, _ = certify_with_law(z, past, 1, body, wall, law, space)
@@ -57,18 +61,17 @@ def rest_of_law(z, past, body, wall, law, space):
     return REST_EDGE if status == ON_EDGE else REST_NOT_PROVEN
 
 
-def enter_with_law(
-    fate, period, z, past, capacity, rows, table, states, pasts, body, wall, law, space, check, checkpast
-):
-    """Enter the end of `follow_with_law` where it is new: ``(row, rows)``; as `general.ensemble.enter`."""
-    n, length = body.order, len(past)
+def enter_with_law(fate, period, trial, body, wall, law):
+    """Enter the end of `follow_with_law` where it is new: its row; as `general.ensemble.enter`."""
+    z, past, space, table, states = trial.z, trial.ring, trial.space, trial.table, trial.states
+    n, rows = body.order, int(trial.counts[0])
     cycle = is_cycle_of_law(fate)
     turns = period
     margin, edge, closure, bound = 0.0, 0.0, 0.0, 0.0
     if cycle:
-        period = turn_to_deepest(z, past, period, body, wall, law, space, check, checkpast)
+        period = turn_to_deepest(period, trial, body, wall, law)
         if period == 1 and (law.senses or not law.provable):
-            cycle, fate = False, rest_of_law(z, past, body, wall, law, space)
+            cycle, fate = False, rest_of_law(trial, body, wall, law)
     rest = fate == REST_NOT_PROVEN or fate == REST_PROVEN or fate == REST_EDGE
     shown = read_after(z[0], past[law.line - 1], wall) if rest and body.friction > 0.0 else float("nan")
     if wall.analog > 0.0 and shown == shown:
@@ -92,101 +95,39 @@ def enter_with_law(
         fate = UNSETTLED
         row = find(fate, period, z, shown, rows, table, states, n)
     if body.halt[0] > 0.0:
-        return -1, rows
-    if row == capacity:
-        return capacity, rows
-    base = row * FIELDS
-    if row == rows:
-        rows += 1
-        table[base], table[base + 1] = fate, period
-        table[base + 2], table[base + 3] = margin, edge
-        table[base + 4], table[base + 5] = closure, bound
-        table[base + 6] = 0.0
-        table[base + 7], table[base + 8] = z[0], z[0]
-        table[base + 9] = shown if rest and body.friction > 0.0 else law.room[0]
-        for j in range(n):
-            states[row * n + j] = z[j]
-        for j in range(length):
-            pasts[row * length + j] = past[j]
-    if rest:
-        table[base + 7] = min(table[base + 7], z[0])
-        table[base + 8] = max(table[base + 8], z[0])
-    return row, rows
+        return -1
+    if row == len(table) // FIELDS:
+        return row
+    last = shown if rest and body.friction > 0.0 else law.room[0]
+    enter_row(row, fate, period, (margin, edge, closure, bound), last, trial, 0 * len(past), rest)
+    return row
 
 
-def run_trials_with_law(
-    start,
-    phases,
-    first,
-    stop,
-    skip,
-    budget,
-    final,
-    limit,
-    capacity,
-    rows,
-    table,
-    states,
-    pasts,
-    body,
-    wall,
-    law,
-    space,
-    z,
-    past,
-    check,
-    checkpast,
-    keep,
-    keeppast,
-):
-    """Run trials ``first`` to ``stop`` of ``phases`` and count them by attractor: as `general.ensemble.run_trials`.
+def run_trials_with_law(start, batch, budget, trial, body, wall, law):
+    """Run the trials of a batch and count them by attractor: as `general.ensemble.run_trials`.
 
-    Each row of ``pasts`` has what is remembered at the orbit's deepest sample.
+    Each row of ``trial.lines`` has what is remembered at the orbit's deepest sample.
     """
+    z, past, pad = trial.z, trial.ring, trial.space.pad
     overflow, samples = 0, 0
-    for trial in range(first, stop):
-        begin(z, start, (trial + 0.5) / phases, body, space.pad)
+    for i in range(batch.first, batch.stop):
+        begin(z, start, (i + 0.5) / batch.phases, body, pad)
         begin_past(past, read(z[0], wall), law)
-        begin_clock(wall.clock, float(trial))
-        for _ in range(skip):
+        begin_clock(wall.clock, float(i))
+        for _ in range(budget.skip):
             if jitters(wall.clock):
-                advance_jittering_with_law(z, past, body, wall, law, space.pad)
+                advance_jittering_with_law(z, past, body, wall, law, pad)
             else:
-                advance_with_law(z, past, body, wall, law, space.pad)
-            if has_gone(body.cogs, z, limit) or body.halt[0] > 0.0:
+                advance_with_law(z, past, body, wall, law, pad)
+            if has_gone(body.cogs, z, budget.limit) or body.halt[0] > 0.0:
                 break
-        fate, period, used = follow_with_law(
-            z,
-            past,
-            budget - skip,
-            final,
-            limit,
-            body,
-            wall,
-            law,
-            space,
-            check,
-            checkpast,
-            keep,
-            keeppast,
-            rows,
-            table,
-            states,
-            pasts,
-        )
-        samples += used + skip
+        fate, row, used = follow_with_law(trial, budget, body, wall, law)
+        samples += used + budget.skip
         if body.halt[0] > 0.0:
-            return rows, overflow, samples
-        if fate == KNOWN:
-            table[period * FIELDS + 6] += 1.0
-            continue
-        row, rows = enter_with_law(
-            fate, period, z, past, capacity, rows, table, states, pasts, body, wall, law, space, check, checkpast
-        )
-        if row < 0:
-            return rows, overflow, samples
-        if row == capacity:
-            overflow += 1
-            continue
-        table[row * FIELDS + 6] += 1.0
-    return rows, overflow, samples
+            return overflow, samples
+        if fate != KNOWN:
+            row = enter_with_law(fate, row, trial, body, wall, law)
+            if row < 0:
+                return overflow, samples
+        overflow += count_end(row, trial)
+    return overflow, samples

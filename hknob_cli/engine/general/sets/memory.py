@@ -5,16 +5,18 @@ memory are what they are in double precision: they have no error. Each function 
 and then `general.controller` commands. Memory is one array, the commands under way or `laws.law.Law`'s ``past``.
 """
 
+from hknob_cli.engine.budget import TrialBudget
 from hknob_cli.engine.certificate import DIFFERENT, NOT_CAPTURED, PROVEN
+from hknob_cli.engine.general.body import copy_to
 from hknob_cli.engine.general.controller import command, read
 from hknob_cli.engine.general.ensemble import enter
-from hknob_cli.engine.general.follow import FIELDS, follow_trial
+from hknob_cli.engine.general.follow import follow_trial
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.laws.cascade import faded, pushed_apart, same_count, sums_agree, torques_apart
 from hknob_cli.engine.general.laws.follow import follow_with_law
 from hknob_cli.engine.general.laws.period import certify_with_law
 from hknob_cli.engine.general.laws.rest import settled_torque
-from hknob_cli.engine.general.laws.step import advance_with_law, begin_past, copy_to, decide
+from hknob_cli.engine.general.laws.step import advance_with_law, begin_past, decide
 from hknob_cli.engine.general.laws.trials import enter_with_law
 from hknob_cli.engine.general.sets.readings import acting
 from hknob_cli.engine.general.standstill import steady
@@ -172,46 +174,10 @@ def copy_settled(law, ring, out):
 
 def find_end(law, before, budget, limit, known, body, wall):
     """What the motion from ``known.z`` and ``known.ring`` ends in: ``(fate, period, before, head, samples)``."""
+    last = TrialBudget(0, budget, True, limit)
     if law is None:
-        return follow_trial(
-            known.z,
-            before,
-            known.ring,
-            0 * len(known.ring),
-            budget,
-            True,
-            limit,
-            body,
-            wall,
-            known.space,
-            known.check,
-            known.check_ring,
-            known.keep,
-            known.keep_ring,
-            int(known.counts[0]),
-            known.table,
-            known.states,
-            known.lines,
-        )
-    fate, period, used = follow_with_law(
-        known.z,
-        known.ring,
-        budget,
-        True,
-        limit,
-        body,
-        wall,
-        law,
-        known.space,
-        known.check,
-        known.check_ring,
-        known.keep,
-        known.keep_ring,
-        int(known.counts[0]),
-        known.table,
-        known.states,
-        known.lines,
-    )
+        return follow_trial(known, before, 0 * len(known.ring), last, body, wall)
+    fate, period, used = follow_with_law(known, last, body, wall, law)
     return fate, period, before, 0 * len(known.ring), used
 
 
@@ -219,22 +185,4 @@ def enter_end(law, fate, period, before, head, known, body, wall):
     """Row of an end whose state is in ``known.z`` and ``known.ring``, as `ensemble.enter`."""
     if law is None:
         return enter(fate, period, before, head, known, body, wall)
-    row, rows = enter_with_law(
-        fate,
-        period,
-        known.z,
-        known.ring,
-        len(known.table) // FIELDS,
-        int(known.counts[0]),
-        known.table,
-        known.states,
-        known.lines,
-        body,
-        wall,
-        law,
-        known.space,
-        known.check,
-        known.check_ring,
-    )
-    known.counts[0] = rows
-    return row
+    return enter_with_law(fate, period, known, body, wall, law)
