@@ -41,6 +41,7 @@ FREE = 2  # mode of a motion whose turning points do not matter
 STABLE, UNSTABLE = 6, 7  # modes of a piece that is written down, by the sign of the speed
 TURNED, RISEN, FALLEN = 1, 2, 3  # ends: of the way, or of being held; and of a slope, on the way up or down
 ROUNDINGS = 64.0
+SPRINGS = 16.0  # roundings of two springs that may cancel, as they come from a scene
 
 
 def has_cogs(cogs):
@@ -92,15 +93,22 @@ def room_on(x, slope, cogs):
     return 0.5 * cogs[LENGTH] - abs(x - middle_of(slope, cogs))
 
 
+def own_stiffness(body):
+    """Stiffness of the springs of hand and finger, as the knob feels them; 0 without."""
+    return 1.0 / (body.reach * body.reach)
+
+
 def hold_stiffness(cogs, x, body):
     """Stiffness of all springs that hold the knob on the slope at ``x``; at most 0 where they do not.
 
-    Infinite without cogging, where nothing needs to hold it.
+    Of springs that may cancel it is a bound from below. Infinite without cogging, where nothing needs to hold it.
     """
     if cogs is None:
         return float("inf")
-    own = 1.0 / (body.reach * body.reach) if body.reach < float("inf") else 0.0
-    return own + spring_of(slope_at(x, cogs), cogs)
+    own, spring = own_stiffness(body), spring_of(slope_at(x, cogs), cogs)
+    if spring > 0.0:
+        return own + spring
+    return own + spring - SPRINGS * EPSILON * own
 
 
 def energy_apart(cogs, dz, x, body):
@@ -139,8 +147,7 @@ def gap_apart(cogs, dz, body):
     """As `body.distance`, of states that may lie on any slope: no bound, but small where they are close."""
     if cogs is None:
         return distance(dz, body)
-    own = 1.0 / (body.reach * body.reach) if body.reach < float("inf") else 0.0
-    return (norm_at(dz, 0, body) + cogs[ROOT] * abs(dz[0])) / sqrt(own + cogs[SLOPE])
+    return (norm_at(dz, 0, body) + cogs[ROOT] * abs(dz[0])) / sqrt(own_stiffness(body) + cogs[SLOPE])
 
 
 def cog_acceleration(z, u, slope, body):
