@@ -169,7 +169,7 @@ def held_told(z, u, pad, slope, h, body):
     rate = held_slope(pad, body)
     bound = held_bound(pad, body)
     value = body.friction - abs(cog_acceleration(z, u, slope, body))
-    return (rate == 0.0 and bound == 0.0) or keeps_sign(value, -abs(rate), bound, h) or abs(rate) > bound * h
+    return bound == 0.0 or keeps_sign(value, -abs(rate), bound, h) or abs(rate) > bound * h
 
 
 def told(z, u, pad, slope, mode, h, size, body):
@@ -179,6 +179,8 @@ def told(z, u, pad, slope, mode, h, size, body):
     """
     if mode == 0:
         return held_told(z, u, pad, slope, h, body)
+    if size == 0.0:
+        return True  # nothing moves
     root = body.cogs[ROOT]
     pace = size
     if not is_stable(slope):
@@ -187,7 +189,7 @@ def told(z, u, pad, slope, mode, h, size, body):
         pace /= 1.0 - root * h
     away = z[0] - middle_of(slope, body.cogs)
     speed = pad[0]
-    passes = abs(speed) > pace * h or (speed == 0.0 and pace == 0.0)
+    passes = abs(speed) > pace * h
     for side in (1, -1):
         ahead = mode in (FREE, side)
         if ahead and not passes and not keeps_sign(0.5 * body.cogs[LENGTH] - side * away, -side * speed, pace, h):

@@ -213,9 +213,7 @@ def begun(body: Body, chance: Any) -> tuple[list[float], float]:
     return z, u
 
 
-def by_hand(
-    alpha: float = 1.0, beta: float = 1.0, friction: float = 0.0, push: float = 0.0, cogs: Any = None
-) -> Body:
+def by_hand(alpha: float = 1.0, beta: float = 1.0, friction: float = 0.0, push: float = 0.0, cogs: Any = None) -> Body:
     """A body of second order in counts and samples, with numbers of cogs that its matrices know nothing of."""
     made = {
         "knob": {"inertia": 1.0, "damping": alpha, "coulomb_torque": friction},

@@ -25,7 +25,7 @@ from hknob_cli.engine.general.cogging import (
     roll,
     slope_at,
 )
-from hknob_cli.engine.general.slopes import cog_chart, cog_columns, cog_many, pass_on, spread_cogs, way_from
+from hknob_cli.engine.general.slopes import cog_chart, cog_columns, cog_many, pass_on, way_from
 
 from .cogs import SCENES, Cogged, begun, body_of, by_hand
 
@@ -257,7 +257,13 @@ def test_after_an_end_comes_the_next_slope_or_the_other_way() -> None:
             z = [0.0, 1e-17]
             assert pass_on(z, u, 0.0, mode, TURNED, RUBS) == (0.0, then)
             assert z == [0.0, 0.0]
-    for u, then in ((2.0, 1), (0.5, 1), (-0.5, -1), (-2.0, -1), (0.0, -1)):  # released, though rounding may say otherwise
+    for u, then in (
+        (2.0, 1),
+        (0.5, 1),
+        (-0.5, -1),
+        (-2.0, -1),
+        (0.0, -1),
+    ):  # released, though rounding may say otherwise
         z = [0.0, 0.0]
         assert pass_on(z, u, 0.0, 0, TURNED, RUBS) == (0.0, then)
     # Of an unstable slope, too: at 9, a count beyond the top, cogging pulls by 1/4, the hand by 9.
@@ -398,7 +404,12 @@ def test_a_chart_has_no_pieces_without_length(monkeypatch: pytest.MonkeyPatch) -
                 continue
             script = Script(
                 monkeypatch,
-                [(0.25, RISEN, 4.0, 1.0), (0.0, FALLEN, 3.0, -1.0), (0.5, FALLEN, -4.0, -1.0), (0.25, RISEN, -4.0, 0.0)],
+                [
+                    (0.25, RISEN, 4.0, 1.0),
+                    (0.0, FALLEN, 3.0, -1.0),
+                    (0.5, FALLEN, -4.0, -1.0),
+                    (0.25, RISEN, -4.0, 0.0),
+                ],
             )
             pieces = SimpleNamespace(spans=[0.0] * 9, modes=[9] * 9, commands=[0.0] * 9, states=[7.0] * 20)
             assert cog_chart(COGS, [0.0, v], u, 1.0, body, [], 1, pieces) == 4

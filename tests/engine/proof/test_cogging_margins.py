@@ -179,7 +179,6 @@ def test_a_corner_is_passed_once_by_a_speed_that_keeps_its_sign(side: float) -> 
         assert can_tell([x, 0.0], [side * nextafter(0.5, 1.0), 0.0], FREE, 0.5, 1.0)
         assert can_tell([x, 0.0], [side * 0.5, 0.0], FREE, 0.49, 1.0)
         assert can_tell([x, 0.0], [side * 0.5, 0.0], FREE, 0.5, 0.99)
-        assert can_tell([x, 0.0], [0.0, 0.0], FREE, 0.5, 0.0)  # nothing moves
     for x in (2.0, -8.0):  # beyond a corner nothing is told otherwise
         for speed, size in ((0.5, 1.0), (0.0, 1.0), (-0.5, 1.0), (0.0, 5e-324)):
             assert not can_tell([x, 0.0], [speed, 0.0], FREE, 0.5, size)
@@ -208,6 +207,15 @@ def test_on_an_unstable_slope_what_bounds_rates_grows(side: float) -> None:
         assert can_tell([-3.0, 0.0], [side * 9.0, 0.0], FREE, h, 1.0)
         steep = PLAIN._replace(cogs=[1.0, 8.0, -3.0, 4.0, 1.0, 11.0])
         assert can_tell([5.0, 0.0], [side * 9.0, 0.0], FREE, 0.5 * h, 1.0, slope=1.0, body=steep) == clear
+
+
+@pytest.mark.parametrize("mode", [FREE, 1, -1])
+def test_nothing_becomes_of_a_knob_that_does_not_move(mode: int) -> None:
+    """However long, and wherever it is: a torque that is left by roundings alone moves nothing."""
+    for x, slope in ((-3.0, 0.0), (2.0, 0.0), (1.0, 1.0), (5.0, 1.0)):
+        for h in (2.0**-52, 1.0, 9.0):
+            assert can_tell([x, 0.0], [0.0, 0.0], mode, h, 0.0, slope=slope)
+    assert not can_tell([2.0, 0.0], [0.0, 0.0], mode, 1.0, 1.0)
 
 
 @pytest.mark.parametrize("way", [1, -1])
@@ -274,9 +282,11 @@ def test_a_finger_that_swings_may_let_go_later() -> None:
     assert can_tell(at_level, rates, 0, 2.0**-10, 9.0, body=one._replace(friction=0.76))
     # No bound without springs and dampers: nothing is said of a rate of 0, or 1.
     assert can_tell(at_level, [0.0, 0.0, 0.125, 0.0], 0, 2.0**-20, 9.0, body=one)
-    wound = one._replace(order=5, coil=1.0, coil_rate=0.0, ratio=0.0, matrices=[*[0.0] * 9, -1.0])
+    wound = one._replace(order=3, coil=1.0, coil_rate=0.0, ratio=0.0, matrices=[0.0] * 6)
     for rate in (0.5, -0.5, 1.0, -1.0):  # of a current that nothing slows: it goes on as it goes
-        assert can_tell([-1.0, 0.0, 0.75], [0.0, 0.0, rate], 0, 9.0, 9.0, body=wound._replace(order=3, matrices=[0.0] * 6))
+        assert can_tell(
+            [-1.0, 0.0, 0.75], [0.0, 0.0, rate], 0, 9.0, 9.0, body=wound._replace(order=3, matrices=[0.0] * 6)
+        )
 
 
 # Where a mode is over.
@@ -316,3 +326,144 @@ def test_a_knob_is_held_up_to_the_level_of_friction() -> None:
     for torque, end in ((3.75, 0), (3.751, TURNED), (-0.25, 0), (-0.251, TURNED)):
         assert past([3.0, 0.0], 0, slope=0.0, body=one, u=torque + 1.5) == end
         assert past([3.0, 0.0], 0, slope=1.0, body=one, u=torque + 0.5) == end
+
+
+# A motion until its mode is over.
+
+
+def rolling(one: Body) -> Body:
+    """With matrices of the motion, of its own numbers; of second order, or with a lag."""
+    n = one.order
+    a, held, entry = np.zeros((n, n)), np.zeros((n, n)), np.zeros(n)
+    a[0, 1] = entry[1] = 1.0
+    a[1, :2] = -one.beta, -one.alpha
+    if n == 3:
+        a[1, 2] = 1.0
+        a[2, 2] = held[2, 2] = -one.lag
+    slopes = []
+    for spring in (one.cogs[0], -one.cogs[0]):
+        slopes.append(a.copy())
+        slopes[-1][1, 0] -= spring
+    parts = [a, held, a, a, halves(a), halves(held), *slopes, *(halves(part) for part in slopes)]
+    constant = np.zeros(n)
+    constant[1] = one.drive
+    vectors = np.concatenate([constant, np.zeros(n), entry]).tolist()
+    return one._replace(matrices=np.concatenate([part.ravel() for part in parts]).tolist(), vectors=vectors)
+
+
+def cogs_of(slope: float, length: float, centre: float = 0.0) -> list[float]:
+    return [slope, length, centre, 0.5 * slope * length, sqrt(slope), abs(centre) + length]
+
+
+def bare(slope: float, length: float, **more: Any) -> Body:
+    """Without hand and damping: nothing but cogging."""
+    return rolling(by_hand(alpha=0.0, beta=0.0, cogs=cogs_of(slope, length))._replace(reach=inf, **more))
+
+
+def rolled(
+    one: Body, z: list[float], u: float = 0.0, *, mode: int = FREE, left: float = 1.0, fresh: bool = False
+) -> tuple[float, int, list[float]]:
+    """On the slope that the knob is on, or comes from."""
+    state = list(z)
+    slope = slope_at(z[0] - 1e-9, one.cogs)
+    t, end = roll(state, u, slope, mode, left, fresh, one, [0.0] * (2 * one.order))
+    return t, end, state
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_an_oscillation_is_left_at_the_corner(side: float) -> None:
+    """Which it comes back from within the sample: two counts of 2.2 from its middle, or thrown from it by a torque."""
+    rate = 0.9 * pi
+    one = bare(rate * rate, 4.0)
+    t, end, z = rolled(one, [0.0, side * 2.2 * rate])
+    assert (t, end) == (pytest.approx(asin(2.0 / 2.2) / rate, abs=1e-14), RISEN if side > 0.0 else FALLEN)
+    assert z[0] == pytest.approx(side * 2.0, abs=1e-13)
+    assert rolled(one, [0.0, side * 1.99 * rate])[:2] == (1.0, 0)
+    rate = 2.0 * pi
+    one = bare(rate * rate, 4.0)
+    for most, expected in ((2.2, RISEN if side > 0.0 else FALLEN), (1.99, 0)):
+        t, end, _ = rolled(one, [0.0, 0.0], side * 0.5 * most * rate * rate)
+        assert end == expected
+        if end:
+            assert cos(rate * t) == pytest.approx(1.0 - 2.0 * 2.0 / most, abs=1e-12)
+            assert t < 0.5
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_an_unstable_slope_is_left_as_an_exponential_says(side: float) -> None:
+    """From its top, at 4 counts, by a speed of 1: sinh(t/2) / (1/2)."""
+    one = bare(0.25, 4.0)
+    for speed, first in ((3.0, 0.0), (9.0, 0.0), (0.0, 1.9)):
+        t, end, z = rolled(one, [4.0 + side * first, side * speed])
+        if speed:
+            assert t == pytest.approx(2.0 * asinh(2.0 * 0.5 / speed), abs=1e-14)
+        else:
+            assert first * cosh(0.5 * t) == pytest.approx(2.0, abs=1e-14)
+        assert end == (RISEN if side > 0.0 else FALLEN)
+        assert z[1] == pytest.approx(side * (speed * cosh(0.5 * t) + 0.5 * first * sinh(0.5 * t)), rel=1e-13)
+    t, end, z = rolled(one, [4.0, side * 1.0])
+    assert (t, end) == (1.0, 0)
+    assert z == [pytest.approx(4.0 + side * 2.0 * sinh(0.5), rel=1e-15), pytest.approx(side * cosh(0.5), rel=1e-15)]
+
+
+@pytest.mark.parametrize("fresh", [True, False])
+def test_a_motion_that_only_just_comes_past_a_corner_has_passed_it(fresh: bool) -> None:
+    """And is beyond it for less than 2^-20 of a sample; a step before that, which is told, is no longer fresh."""
+    one = bare(0.25, 8.0)  # which pulls back by 1 at the corner at 4
+    for seed in range(20):
+        early = 0.001 + 1e-5 * seed  # before it turns
+        for beyond in (2.0**-43, -(2.0**-43)):
+            most = 4.0 + beyond
+            z = [most - 2.0 * most * sin(0.25 * early) ** 2, 0.5 * most * sin(0.5 * early)]
+            t, end, _ = rolled(one, z, fresh=fresh, left=0.5)
+            assert end == (RISEN if beyond > 0.0 else 0)
+            if end:
+                assert t == pytest.approx(early - 4.0 * asin(sqrt(0.5 * beyond / most)), abs=3e-8)
+            else:
+                assert t == 0.5
+
+
+def test_an_end_is_left_past_it_by_the_last_bit_of_a_sample() -> None:
+    """Nothing acts on a knob so fast that a last bit moves it by 2^-28 counts, and all sums are exact."""
+    speed = 2.0**24
+    for part in (0.3, 0.7123, 0.9999):
+        one = bare(2.0**-300, 2.0 * part * speed)
+        bits = int(part * 2.0**52) + 1
+        for way in (1, -1):
+            t, end, z = rolled(one, [0.0, way * speed])
+            assert (t, end) == (bits * 2.0**-52, RISEN if way > 0 else FALLEN)
+            assert z == [way * bits * 2.0**-28, way * speed]
+
+
+def test_a_motion_from_a_corner_takes_no_longer_steps_than_are_known() -> None:
+    """At rest on the corner at 4, and drawn back: no step can be told at first, and the shortest are taken."""
+    one = bare(0.25, 8.0)
+    t, end, z = rolled(one, [4.0, 0.0])
+    assert (t, end) == (1.0, 0)
+    assert z == [pytest.approx(4.0 * cos(0.5), rel=1e-14), pytest.approx(-2.0 * sin(0.5), rel=1e-14)]
+
+
+def test_what_begins_fresh_and_turns_at_once_is_left_after_a_short_step() -> None:
+    """A release that roundings put a little early: the torque falls again, and friction holds the knob."""
+    one = rolling(by_hand(alpha=0.0, beta=0.0, friction=1.0, cogs=COGS)._replace(order=3, lag=0.25, reach=inf))
+    short = 2.0**-20
+    torque = 1.0 - 1e-7
+    t, end, z = rolled(one, [-3.0, 0.0, torque], torque - 4.0, mode=1, fresh=True)
+    assert (t, end) == (short, TURNED)
+    assert -1.1 * (1e-7 * short + 0.5 * short * short) < z[1] < -0.9 * (1e-7 * short + 0.5 * short * short)
+    # If it rises, it goes on.
+    t, end, z = rolled(one, [-3.0, 0.0, torque], torque + 4.0, mode=1, fresh=True)
+    assert (t, end) == (1.0, 0)
+    assert z[1] > 0.1
+    # What is not fresh is left by the last bit.
+    t, end, _ = rolled(one, [-3.0, 1e-9, torque], torque - 4.0, mode=1)
+    assert end == TURNED
+    assert t == pytest.approx(sqrt(1e-14 + 2e-9) - 1e-7, rel=1e-4)
+
+
+def test_a_motion_that_is_given_up_is_left_where_it_is() -> None:
+    for halt, time in ((0.0, 1.0), (0.5, 0.0), (1.0, 0.0)):
+        one = bare(0.25, 8.0, halt=[halt])
+        t, end, z = rolled(one, [0.0, 1.0])
+        assert (t, end) == (time, 0)
+        assert (z == [0.0, 1.0]) == (time == 0.0)
