@@ -119,6 +119,16 @@ def norm(dz, body):
     return norm_at(dz, 0, body)
 
 
+def turn_finger(dz, body):
+    """Turn round a finger's numbers: of differences whose numbers are at most ``dz``, above 0, one has most energy then.
+
+    The energy is convex, and largest where knob and finger go opposite ways. Twice, ``dz`` is as it was.
+    """
+    if body.ratio > 0.0:
+        dz[2] = -dz[2]
+        dz[3] = -dz[3]
+
+
 def stiffness(body):
     """Bound on the acceleration of the knob by springs and dampers, by `norm`."""
     if body.ratio > 0.0:
