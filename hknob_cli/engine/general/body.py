@@ -120,9 +120,10 @@ def norm(dz, body):
 
 
 def turn_finger(dz, body):
-    """Turn round a finger's numbers: of differences whose numbers are at most ``dz``, above 0, one has most energy then.
+    """Turn round a finger's numbers: of all differences whose numbers are at most ``dz``, it then has most energy.
 
-    The energy is convex, and largest where knob and finger go opposite ways. Twice, ``dz`` is as it was.
+    The numbers are at least 0 before. The energy is convex, and largest where knob and finger go opposite ways. Twice,
+    ``dz`` is as it was.
     """
     if body.ratio > 0.0:
         dz[2] = -dz[2]

@@ -366,7 +366,7 @@ def test_an_error_of_a_finger_is_bounded_whatever_its_signs(monkeypatch: pytest.
     """An error of knob and finger may go opposite ways, and then has more energy than the sizes of its numbers say."""
     for order, lag in ((4, 0.0), (5, 0.5)):
         one = FINGER._replace(order=order, lag=lag, reach=1.0, friction=0.0)
-        stage = Stage(np.diag([0.5] * order), np.array([-2.5, 0.25, 1.0, 0.25, 1.0, 0.0][:order] + [0.0]), pace=3.0)
+        stage = Stage(np.diag([0.5] * order), np.array([*[-2.5, 0.25, 1.0, 0.25, 1.0][:order], 0.0]), pace=3.0)
         away = errors_of(stage, one)
         for beside in ({}, {"cogs": [0.25, 8.0, -3.0, 1.0, 0.5, 0.0]}, {"cogs": [0.25, 8.0, 5.0, 1.0, 0.5, 0.0]}):
             found = prove(monkeypatch, stage, stage.place[:order], one._replace(**beside))
