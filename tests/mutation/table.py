@@ -17,6 +17,9 @@ LAWS = (f"{PROOF}test_law_trial_margins.py",)
 ORBIT = ("tests/engine/orbit/",)
 FLANKS = (f"{PROOF}test_flank_rest_margins.py", f"{PROOF}test_teeth_margins.py")
 TEETH = (f"{GENERAL}test_flanks.py", *FLANKS)
+COG_REST = (f"{PROOF}test_cog_rest_margins.py",)
+SLOPES = (f"{GENERAL}test_slopes.py",)
+COGGING = (f"{PROOF}test_cogging_margins.py", *SLOPES)
 STANDSTILL = (
     f"{PROOF}test_standstill_margins.py",
     *FLANKS,
@@ -99,6 +102,9 @@ WATCHED: dict[str, tuple[str, ...]] = {
     ),
     "general/hysteresis.py": (f"{PROOF}test_hysteresis_margins.py", f"{GENERAL}test_turning_points.py"),
     "general/clock_cells.py": (f"{GENERAL}test_clock_cells.py",),
+    "general/cogging.py": COGGING,
+    "general/slopes.py": SLOPES,
+    "general/cog_rest.py": COG_REST,
     "general/laws/period.py": (f"{PROOF}test_law_period_margins.py", *FLANKS),
     "general/laws/parting.py": (f"{GENERAL}test_parting.py",),
     "general/laws/cascade.py": LAWS,

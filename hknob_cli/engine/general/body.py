@@ -125,6 +125,17 @@ def norm(dz, body):
     return norm_at(dz, 0, body)
 
 
+def turn_finger(dz, body):
+    """Turn round a finger's numbers: of all differences whose numbers are at most ``dz``, it then has most energy.
+
+    The numbers are at least 0 before. The energy is convex, and largest where knob and finger go opposite ways. Twice,
+    ``dz`` is as it was.
+    """
+    if body.ratio > 0.0:
+        dz[2] = -dz[2]
+        dz[3] = -dz[3]
+
+
 def stiffness(body):
     """Bound on the acceleration of the knob by springs and dampers, by `norm`."""
     if body.ratio > 0.0:

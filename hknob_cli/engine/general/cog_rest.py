@@ -5,16 +5,20 @@ stay on one slope (`cogging.far_apart`). A corner is one more edge that must not
 """
 
 from hknob_cli.engine.certificate import EPSILON
-from hknob_cli.engine.general.cogging import LENGTH, far_apart, hold_stiffness, middle_of, room_on, slope_at
+from hknob_cli.engine.general.cogging import (
+    LENGTH,
+    SLOPE,
+    far_apart,
+    hold_stiffness,
+    middle_of,
+    own_stiffness,
+    room_on,
+    slope_at,
+)
 from hknob_cli.engine.general.controller import edge_gap
 from hknob_cli.engine.rest import AT_REST, MOVING, REST_ON_EDGE, RINGS
 
 ROUNDINGS = 64.0  # of a position that has stopped changing
-
-
-def own_stiffness(body):
-    """Stiffness of the springs of hand and finger, as the knob feels them; 0 without."""
-    return 1.0 / (body.reach * body.reach) if body.reach < float("inf") else 0.0
 
 
 def is_carried(body):
@@ -31,6 +35,11 @@ def put_at(rest, u, body, orbit):
         orbit[2] = own_stiffness(body) * (rest + body.shift) / body.pad_stiffness
     if body.lag > 0.0:
         orbit[body.order - 1] = u
+
+
+def cancelled(own, hold, cogs):
+    """How many times larger the rounding of a stiffness is than where no springs cancel: 1 on a stable slope."""
+    return (own + cogs[SLOPE]) / hold
 
 
 def stays_on_slope(z, gap, slack, body, orbit, away):
@@ -62,7 +71,9 @@ def settles_free(cogs, z, u, shown, wrong, push, body, wall, orbit, away):
     middle, own = middle_of(slope_at(z[0], cogs), cogs), own_stiffness(body)
     rest = middle + (u - body.push - own * (middle + body.shift)) / hold
     size = abs(middle) + (abs(u) + body.push + own * (abs(middle) + abs(body.shift))) / hold
-    slack = ROUNDINGS * EPSILON * (1.0 + abs(z[0]) + size) + wrong / hold
+    size += abs(rest - middle) * cancelled(own, hold, cogs)
+    # Under a torque that is off by so much the knob swings about another rest, and comes as far beyond that.
+    slack = ROUNDINGS * EPSILON * (1.0 + abs(z[0]) + size) + 2.0 * wrong / hold
     put_at(rest, u, body, orbit)
     gap = edge_gap(rest, shown, shown, wall)
     stays, far = stays_on_slope(z, gap, slack + push / hold**0.5, body, orbit, away)
@@ -86,6 +97,7 @@ def zone_on(cogs, x, u, wrong, body):
     middle, own = middle_of(slope_at(x, cogs), cogs), own_stiffness(body)
     pull = u - body.push - own * (middle + body.shift)
     size = abs(u) + body.push + body.friction + own * (abs(middle) + abs(body.shift)) + hold * abs(middle)
+    size += (abs(pull) + body.friction) * cancelled(own, hold, cogs)
     held = body.friction - ROUNDINGS * EPSILON * size - wrong
     half = 0.5 * cogs[LENGTH]
     return middle + max((pull - held) / hold, -half), middle + min((pull + held) / hold, half)

@@ -43,6 +43,7 @@ TURNED, RISEN, FALLEN = 1, 2, 3  # ends: of the way, or of being held; and of a 
 ROUNDINGS = 64.0
 FAR = 1e-3  # of the limit at which a trial has left
 MANY = 1024.0  # corners that are passed between two samples
+SPRINGS = 16.0  # roundings of two springs that may cancel, as they come from a scene
 
 
 def has_cogs(cogs):
@@ -103,15 +104,22 @@ def room_on(x, slope, cogs):
     return 0.5 * cogs[LENGTH] - abs(x - middle_of(slope, cogs))
 
 
+def own_stiffness(body):
+    """Stiffness of the springs of hand and finger, as the knob feels them; 0 without."""
+    return 1.0 / (body.reach * body.reach)
+
+
 def hold_stiffness(cogs, x, body):
     """Stiffness of all springs that hold the knob on the slope at ``x``; at most 0 where they do not.
 
-    Infinite without cogging, where nothing needs to hold it.
+    Of springs that may cancel it is a bound from below. Infinite without cogging, where nothing needs to hold it.
     """
     if cogs is None:
         return float("inf")
-    own = 1.0 / (body.reach * body.reach) if body.reach < float("inf") else 0.0
-    return own + spring_of(slope_at(x, cogs), cogs)
+    own, spring = own_stiffness(body), spring_of(slope_at(x, cogs), cogs)
+    if spring > 0.0:
+        return own + spring
+    return own + spring - SPRINGS * EPSILON * own
 
 
 def energy_apart(cogs, dz, x, body):
@@ -150,8 +158,7 @@ def gap_apart(cogs, dz, body):
     """As `body.distance`, of states that may lie on any slope: no bound, but small where they are close."""
     if cogs is None:
         return distance(dz, body)
-    own = 1.0 / (body.reach * body.reach) if body.reach < float("inf") else 0.0
-    return (norm_at(dz, 0, body) + cogs[ROOT] * abs(dz[0])) / sqrt(own + cogs[SLOPE])
+    return (norm_at(dz, 0, body) + cogs[ROOT] * abs(dz[0])) / sqrt(own_stiffness(body) + cogs[SLOPE])
 
 
 def cog_acceleration(z, u, slope, body):
@@ -173,7 +180,7 @@ def held_told(z, u, pad, slope, h, body):
     rate = held_slope(pad, body)
     bound = held_bound(pad, body)
     value = body.friction - abs(cog_acceleration(z, u, slope, body))
-    return (rate == 0.0 and bound == 0.0) or keeps_sign(value, -abs(rate), bound, h) or abs(rate) > bound * h
+    return bound == 0.0 or keeps_sign(value, -abs(rate), bound, h) or abs(rate) > bound * h
 
 
 def told(z, u, pad, slope, mode, h, size, body):
@@ -183,6 +190,8 @@ def told(z, u, pad, slope, mode, h, size, body):
     """
     if mode == 0:
         return held_told(z, u, pad, slope, h, body)
+    if size == 0.0:
+        return True  # nothing moves
     root = body.cogs[ROOT]
     pace = size
     if not is_stable(slope):
@@ -191,7 +200,7 @@ def told(z, u, pad, slope, mode, h, size, body):
         pace /= 1.0 - root * h
     away = z[0] - middle_of(slope, body.cogs)
     speed = pad[0]
-    passes = abs(speed) > pace * h or (speed == 0.0 and pace == 0.0)
+    passes = abs(speed) > pace * h
     for side in (1, -1):
         ahead = mode in (FREE, side)
         if ahead and not passes and not keeps_sign(0.5 * body.cogs[LENGTH] - side * away, -side * speed, pace, h):

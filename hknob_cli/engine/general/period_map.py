@@ -13,7 +13,7 @@ are such a margin, as long as the springs of one slope hold the knob.
 from typing import Any, NamedTuple
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
-from hknob_cli.engine.general.body import norm, stiffness
+from hknob_cli.engine.general.body import norm, stiffness, turn_finger
 from hknob_cli.engine.general.cogging import ROOT, SIZE, cog_number, far_apart, has_cogs
 from hknob_cli.engine.general.controller import command, count_gap, edge_gap, inside, read, read_after, table_size
 from hknob_cli.engine.general.hysteresis import hold_and_count
@@ -206,13 +206,15 @@ def certify(z, before, ring, head, period, body, wall, space):
         space.away[i] = total
     bound = space.away[0]
     scale = max(pace / (reach + pace), LEAST_SCALE) if pace > 0.0 else 1.0
-    far = far_apart(body.cogs, space.away, space.orbit[0], body)
+    turn_finger(space.away, body)
+    far, spread = far_apart(body.cogs, space.away, space.orbit[0], body), norm(space.away, body)
+    turn_finger(space.away, body)
     if wall.analog == 0.0 and (has_cogs(body.cogs) or body.reach < float("inf")) and far < float("inf"):
         bound = max(bound, far)  # at every sample of the period, not only at the first
     if body.friction > 0.0:
         # A difference of speeds, and of torques, that the error allows at any time: its energy does not grow.
         root = cog_number(body.cogs, ROOT)
-        speed = norm(space.away, body) + root * space.away[0]
+        speed = spread + root * space.away[0]
         late = space.away[n - 1] if body.lag > 0.0 else 0.0
         if not (space.marks[0] > 2.0 * ((stiffness(body) + root) * speed + late) and space.marks[1] > speed):
             return AT_EVENT, margin, edge, closure, bound

@@ -149,11 +149,13 @@ def stuck_told(z, u, pad, side, h, body):
         slope += body.matrices[matrix + n + j] * pad[j]
     bound = held_bound(pad, body)
     value = body.friction - abs(teeth_pull(z, 0, u, side, body))
-    return keeps_sign(value, -abs(slope), bound, h) or abs(slope) > bound * h
+    return bound == 0.0 or keeps_sign(value, -abs(slope), bound, h) or abs(slope) > bound * h
 
 
 def told(z, u, pad, side, toward, h, pace, twist, jerk, body):
     """Whether at most one thing happens within ``h``, and once: the mode ends, or the motor turns round."""
+    if pace == 0.0:
+        return True  # no torque changes, and teeth do not move against each other
     if toward == 0 and body.friction > 0.0:
         turning = stuck_told(z, u, pad, side, h, body)
     elif toward != 0 and jerk == 0.0 and pad[1] == 0.0:

@@ -182,14 +182,17 @@ def test_rest_is_proven_up_to_the_corner_and_no_further() -> None:
 
 
 def test_what_torque_may_still_do_counts() -> None:
-    """An impulse that is still to come, and a torque that is known to within so much, both up to the corner."""
+    """An impulse that is still to come, and a torque that is known to within so much, both up to the corner.
+
+    Under a torque that is off by so much the knob may swing to twice as far as it then rests.
+    """
     body = body_of("strong")
     cogs = cogs_of(body)
     middle, hold = middle_of(2.0, cogs), body.beta + cogs[SLOPE]
     u = body.push + body.beta * (middle + body.shift)
     room = 0.5 * cogs[LENGTH]
     for part, fate in ((1.0 - 1e-6, AT_REST), (1.0 + 1e-6, MOVING)):
-        for wrong, push in ((part * room * hold, 0.0), (0.0, part * room * sqrt(hold))):
+        for wrong, push in ((0.5 * part * room * hold, 0.0), (0.0, part * room * sqrt(hold))):
             orbit, away = [0.0, 0.0], [0.0, 0.0]
             found, _ = cog_rest.settles_free(
                 cogs, [middle, 0.0], u, middle // 1.0, wrong, push, body, WALL, orbit, away

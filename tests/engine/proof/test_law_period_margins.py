@@ -18,6 +18,7 @@ from hknob_cli.engine.general.laws.period import AT_EVENT, AT_SWITCH, EXPANDS
 from hknob_cli.engine.general.laws.step import FREE
 from hknob_cli.engine.general.search import make_space
 
+from .test_period_map_margins import most_of
 from .test_standstill_margins import FINGER, LAGGING, WALL, body
 
 UNIT = 2.0**-20  # of a rounding, here
@@ -213,7 +214,7 @@ def test_the_bound_is_of_every_error_through_the_inverse(form: str, name: str, p
         found = prove(stage, law, one=one, wall=wall, period=period)
         away, wrong = errors(stage, law, one, found.residual, wall, period)
         np.testing.assert_allclose(found.space.away[:n], away, rtol=1e-12)
-        later = distance(list(away), one) + one.reach * wrong * period
+        later = most_of(distance, away, one) + one.reach * wrong * period
         assert later > away[0]
         assert found.bound == pytest.approx(later, rel=1e-12)
         assert (found.margin, found.edge, found.closure) == (1e9, 0.3, 0.0)
@@ -333,7 +334,7 @@ def test_a_standstill_within_the_error_is_not_decided(form: str) -> None:
     stage = Stage(matrix, (*PLACE, *([0.5] * (n - 2))), missed=0.001)
     found = prove(stage, law, one=one._replace(friction=1.0))
     wrong, _ = wrong_of(stage, law)
-    speed = norm(found.space.away, one) + wrong * 4
+    speed = most_of(norm, found.space.away[:n], one) + wrong * 4
     late = found.space.away[2] if form == "lag" else 0.0
     torque = 2.0 * (stiffness(one) * speed + late + wrong)
     for marks, status in (

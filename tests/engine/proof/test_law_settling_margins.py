@@ -93,14 +93,14 @@ def test_a_guard_must_clear_what_still_fades_and_what_is_worn(stage: Any) -> Non
 
 
 def test_the_place_of_a_rest_is_moved_by_what_a_torque_may_be_wrong_by(stage: Any) -> None:
-    """In units of a rounding beside the torque itself."""
+    """In units of a rounding beside the torque itself; twice, as the knob may swing about the rest that it then has."""
     for u, place, end in ((1.0, -0.5, 2.0), (-1.0, -8.5, 2.0), (1.0, -0.5, -2.0)):
         one = stage(u=u, end=end)
         one.fate([-0.5, 0.0], HELD)
-        assert one.bounds == [(place, 1.0 + 6.75)]
+        assert one.bounds == [(place, 1.0 + 2.0 * 6.75)]
     one = stage()
     one.fate([-0.5, 0.0], HELD, fading=-1, fade=0.0)
-    assert one.bounds == [(-0.5, 1.0 + 5.0)]  # nothing fades
+    assert one.bounds == [(-0.5, 1.0 + 2.0 * 5.0)]  # nothing fades
 
 
 def test_a_rest_is_one_where_distance_and_torques_stay_within_its_gap(stage: Any) -> None:

@@ -1,6 +1,7 @@
 """The proof of a cycle on its margins: an affine map of known matrix stands in for the motion over a period."""
 
 from collections.abc import Callable
+from itertools import product
 from math import inf, nextafter, sqrt
 from typing import Any, NamedTuple
 
@@ -10,6 +11,7 @@ import pytest
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.general import period_map, powers
 from hknob_cli.engine.general.body import Body, distance, norm, stiffness
+from hknob_cli.engine.general.cogging import far_apart
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, Space, certify
 from hknob_cli.engine.general.search import make_space
@@ -125,6 +127,22 @@ def errors(stage: Stage, residual: np.ndarray, period: int = 4) -> np.ndarray:
     sizes = np.array([stage.reach + stage.pace if j % 2 == 0 else 2.0 * stage.pace for j in range(m)])
     inverse = np.linalg.inv(np.eye(m) - stage.matrix)
     return np.asarray(np.abs(inverse) @ (np.abs(residual) + 8.0 * EPSILON * period * sizes))
+
+
+def most_of(measure: Callable[[list[float], Body], float], sizes: np.ndarray | list[float], one: Body) -> float:
+    """The largest of all differences whose numbers have these sizes, with one sign or the other."""
+    return max(
+        measure([sign * float(size) for sign, size in zip(signs, sizes, strict=True)], one)
+        for signs in product((1.0, -1.0), repeat=len(sizes))
+    )
+
+
+def errors_of(stage: Stage, one: Body) -> np.ndarray:
+    """As `errors`, without a residual; a lag's number is no speed."""
+    m = len(stage.matrix)
+    slow = [j % 2 == 1 and not (one.lag > 0.0 and j == m - 1) for j in range(m)]
+    sizes = np.array([2.0 * stage.pace if one else stage.reach + stage.pace for one in slow])
+    return np.asarray(np.abs(np.linalg.inv(np.eye(m) - stage.matrix)) @ (32.0 * EPSILON * sizes))
 
 
 # Newton's method.
@@ -344,6 +362,25 @@ def test_the_unit_of_speeds_is_the_pace_of_the_orbit(
     assert found.scales == [pytest.approx(scale, rel=1e-15)]
 
 
+def test_an_error_of_a_finger_is_bounded_whatever_its_signs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An error of knob and finger may go opposite ways, and then has more energy than the sizes of its numbers say."""
+    for order, lag in ((4, 0.0), (5, 0.5)):
+        one = FINGER._replace(order=order, lag=lag, reach=1.0, friction=0.0)
+        stage = Stage(np.diag([0.5] * order), np.array([*[-2.5, 0.25, 1.0, 0.25, 1.0][:order], 0.0]), pace=3.0)
+        away = errors_of(stage, one)
+        for beside in ({}, {"cogs": [0.25, 8.0, -3.0, 1.0, 0.5, 0.0]}, {"cogs": [0.25, 8.0, 5.0, 1.0, 0.5, 0.0]}):
+            found = prove(monkeypatch, stage, stage.place[:order], one._replace(**beside))
+            assert found.status == PROVEN
+            np.testing.assert_allclose(found.space.away[:order], away, rtol=1e-9)
+
+            def far(dz: list[float], body: Body) -> float:
+                return float(far_apart(body.cogs, dz, -2.5, body))
+
+            most = most_of(far, away, one._replace(**beside))
+            assert most > 1.2 * far(list(away), one._replace(**beside))
+            assert found.bound == pytest.approx(most, rel=1e-9, abs=0.0)
+
+
 # What refuses a proof.
 
 
@@ -389,9 +426,10 @@ def test_the_error_of_a_lag_may_still_arrive(monkeypatch: pytest.MonkeyPatch) ->
     matrix = np.diag([0.5, 0.5, 0.5, 0.5])
     stage = Stage(matrix, np.array([-2.5, 0.25, 1.0, 0.25, 0.0]), pace=3.0)
     away = errors(stage, np.zeros(4))
-    tip, finger = away[0] - away[2], away[1] - away[3]
+    tip, finger = away[0] + away[2], away[1] + away[3]  # where both go opposite ways
     square = away[1] ** 2 + other.pad_stiffness * away[2] ** 2
     speed = sqrt(square + (finger**2 + other.finger_stiffness * tip**2) / other.ratio)
+    assert speed == pytest.approx(most_of(norm, away, other), rel=1e-12, abs=0.0)
     for part, status in ((1.001, PROVEN), (0.999, AT_EVENT)):
         marks = (part * 2.0 * stiffness(other) * speed, inf)
         assert prove(monkeypatch, stage._replace(marks=marks), stage.place[:4], other).status == status

@@ -9,8 +9,12 @@ from hknob_cli.engine.certificate import DIFFERENT, NOT_CAPTURED, PROVEN
 from hknob_cli.engine.general.body import norm
 from hknob_cli.engine.general.period_map import PARTS
 from hknob_cli.engine.general.standstill import settles
-from hknob_cli.engine.general.teeth import flank_room, pressing
+from hknob_cli.engine.general.teeth import flank_room, press, pressing, stuck_told, told
 from hknob_cli.engine.rest import AT_REST, MOVING
+from hknob_cli.scene.general_knob import GeneralKnob, sample_general
+from hknob_cli.scene.trial import follow_knob
+from hknob_cli.specs.electrical import reduced
+from hknob_cli.specs.scene import SceneSpec
 
 from .test_period_map_margins import Stage, prove
 from .test_standstill_margins import FINGER, WALL
@@ -81,3 +85,42 @@ def test_rest_on_one_flank_needs_room_from_the_other() -> None:
         assert norm([0.0, z[1], 0.0, 0.0], driven) == pytest.approx(speed, rel=1e-12)
         assert settles(z, 0.0, 0.0, [], driven, wall, orbit, away)[0] == expected
     assert gap > room
+
+
+def lone(friction: float = 0.0) -> GeneralKnob:
+    """A geared knob that nobody holds and nothing pushes."""
+    gear = {"ratio": 7.4, "motor_inertia": 1e-8, "stiffness": 10.0, "mesh_damping": 2e-3, "backlash": 0.005}
+    made = {
+        "knob": {"inertia": 1.9e-6},
+        "wall": {"stiffness": 0.27},
+        "gear": {**gear, "motor_coulomb_torque": friction},
+    }
+    plain = reduced(SceneSpec.model_validate(made).plain())
+    return sample_general(plain, sample_rate_hz=1000.0, counts_per_rev=360)
+
+
+@pytest.mark.parametrize("toward", [0, 1, -1])
+def test_teeth_that_nothing_moves_stay_where_they_are(toward: int) -> None:
+    """Where they only just touch, too: a knob without hand and bias begins its trials so."""
+    one = lone().body
+    for d in (0.0, -0.5 * one.play, -one.play):
+        z = [3.0, 0.0, d, 0.0]
+        assert told(z, 0.0, [0.0] * 8, 0, toward, 1.0, 0.0, 0.0, 0.0, one)
+        assert press(list(z), 0.0, 0, toward, 1.0, False, one, [0.0] * 8) == (1.0, 0, inf)
+        # Once anything moves, teeth that only just touch cannot be told.
+        assert told(z, 0.0, [0.0] * 8, 0, 0, 1.0, 2.0**-20, 0.0, 0.0, one) == (-one.play < d < 0.0)
+
+
+@pytest.mark.parametrize("speed", [0.0, 1.0])
+def test_a_knob_that_nobody_holds_goes_on_as_it_goes(speed: float) -> None:
+    found = follow_knob(lone(), angle_rad=0.02, velocity_rad_s=speed, phase=0.5, samples=4)
+    np.testing.assert_allclose(found.angle_rad, 0.02 + speed * found.time_s, rtol=1e-12)
+
+
+def test_a_motor_at_the_very_level_of_friction_stays_held_while_nothing_changes() -> None:
+    """However long. Where its torque changes, by a knob that moves, it may be released at once."""
+    one = lone(1e-5).body
+    z = [3.0, 0.0, -0.5 * one.play, 0.0]
+    assert stuck_told(z, one.friction, [0.0] * 8, 0, 9.0, one)
+    assert stuck_told([3.0, 0.0, 0.5, 0.0], -one.friction, [0.0] * 8, 0, 9.0, one)
+    assert not stuck_told(z, one.friction, [0.0, 0.0, 1.0, -one.pad_stiffness / one.pad_damping], 1, 1e-9, one)

@@ -8,7 +8,7 @@ torques of that memory. What the torques may be wrong by enters the bound on the
 from math import sqrt
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
-from hknob_cli.engine.general.body import copy_to, norm, stiffness
+from hknob_cli.engine.general.body import copy_to, norm, stiffness, turn_finger
 from hknob_cli.engine.general.cogging import ROOT, SIZE, cog_number, far_apart, has_cogs, hold_stiffness, reach_on
 from hknob_cli.engine.general.controller import count_gap, edge_gap, read_after, table_size
 from hknob_cli.engine.general.laws.cascade import (
@@ -206,12 +206,15 @@ def certify_with_law(z, past, period, body, wall, law, space):
         space.away[i] = total
     holds = hold_stiffness(body.cogs, space.orbit[0], body) > 0.0
     bound = space.away[0]
+    turn_finger(space.away, body)
+    far, spread = far_apart(body.cogs, space.away, space.orbit[0], body), norm(space.away, body)
+    turn_finger(space.away, body)
     if holds:  # at every sample; no end where nothing holds it
-        bound = far_apart(body.cogs, space.away, space.orbit[0], body) + reached * wrong * period
+        bound = far + reached * wrong * period
     scale = max(pace / (reach + pace), LEAST_SCALE) if pace > 0.0 else 1.0
     if body.friction > 0.0:
         root = cog_number(body.cogs, ROOT)
-        speed = norm(space.away, body) + root * space.away[0] + wrong * period
+        speed = spread + root * space.away[0] + wrong * period
         short = space.away[n - 1] if body.lag > 0.0 else 0.0
         most = 2.0 * ((stiffness(body) + root) * speed + short + wrong)
         if not (space.marks[0] > most and space.marks[1] > speed):

@@ -99,7 +99,8 @@ def settles_with_law(z, shown, past, body, wall, law, orbit, away):
         for i in range(n):
             away[i] = z[i] - orbit[i]
         gap = edge_gap(orbit[0], shown, shown, law.watch)
-        bound = rest_rounding(z, orbit[0], abs(u) + wrong / (ROUNDINGS * EPSILON), body)
+        # Under a torque that is off by so much the knob swings about another rest, and comes as far beyond that.
+        bound = rest_rounding(z, orbit[0], abs(u) + 2.0 * wrong / (ROUNDINGS * EPSILON), body)
         reach = distance(away, body) + push
         if body.play > 0.0 and not reach + bound < flank_room(body.pad_stiffness * orbit[2], body):
             return MOVING
