@@ -108,22 +108,40 @@ def came_back(dz, past, other, within, body, law):
     return gap_apart(body.cogs, dz, body) <= within and nearly_same(past, other, law, REPEATS)
 
 
+def same_to_the_bit(z, past, check, checkpast):
+    """Whether a motion is where it was, and all that is remembered as well, so that it repeats for ever."""
+    for j in range(len(z)):
+        if z[j] != check[j]:
+            return False
+    for j in range(len(past)):
+        if past[j] != checkpast[j]:
+            return False
+    return True
+
+
+def periods_passed(left, period, ahead, events):
+    """Whole periods in which nothing new is seen: within ``left`` samples, ``ahead`` events before a checkpoint."""
+    return max(0, min(left // period, (ahead - 1) // events))
+
+
 def follow_with_law(
     z, past, budget, final, limit, body, wall, law, space, check, checkpast, keep, keeppast, rows, table, states, pasts
 ):
     """Follow a trial for at most ``budget`` samples: ``(fate, period, samples)``; as `general.follow.follow_trial`.
 
-    ``z`` and ``past`` are left at the orbit's state.
+    ``z`` and ``past`` are left at the orbit's state. A motion that repeats to the last bit, and was not proven, is not
+    moved through the periods before the next checkpoint, of which each is as the one before; they count as samples.
     """
     n = body.order
     loosest = FIRST_TOLERANCE if law.provable else REPEATS * (1.0 + abs(z[0]))
-    have, events, next_checkpoint, since = False, 0, 1, 0
+    have, events, next_checkpoint, begun, since = False, 0, 1, 0, 0
     tolerance, left_alone = loosest, 0
     kept, kept_fate = 0, CYCLE_ON_EDGE
     resting_on_edge, settling = False, False
     shown = read_after(z[0], past[law.line - 1], wall)
     run, next_test = 0, FIRST_REST_TEST
-    for i in range(budget):
+    i = 0
+    while i < budget:
         x = z[0]
         if body.halt[0] > 0.0:
             return UNSETTLED, 0, i
@@ -216,9 +234,16 @@ def follow_with_law(
                         tolerance = gap * min(1.0, 0.9 * margin / away) if away > 0.0 else 0.5 * gap
                     elif status == DIFFERENT and gap == 0.0:
                         tolerance = loosest
+                    steady = law.provable and not law.senses and tolerance == 0.0
+                    if steady and same_to_the_bit(z, past, check, checkpast):
+                        gone = events + 1 - begun
+                        passed = periods_passed(budget - 1 - i, since, next_checkpoint - events - 1, gone)
+                        i += passed * since
+                        events += passed * gone
+                        since += passed * since
             events += 1
             if events == next_checkpoint:
-                next_checkpoint = 2 * events
+                next_checkpoint, begun = 2 * events, events
                 have, since, tolerance = True, 0, loosest
                 copy_to(check, z)
                 copy_to(checkpast, past)
@@ -227,6 +252,7 @@ def follow_with_law(
             advance_jittering_with_law(z, past, body, wall, law, space.pad)
         else:
             advance_with_law(z, past, body, wall, law, space.pad)
+        i += 1
     if not final:  # what has repeated without proof may yet be left, or proven
         return (UNSETTLED if body.damped else UNDAMPED), 0, budget
     if kept > 0:
