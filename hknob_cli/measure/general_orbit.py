@@ -5,7 +5,8 @@ The work of the wall by when it is done, of a motion in arrays; what that means:
 The harmonics of an orbit beyond the plain loop, from its pieces between events.
 
 Over a piece z' = G z, so that the integral of exp(-iωt) z(t) is (G - iω)^-1 (exp(-iωT) z(T) - z(0)), exactly. Pieces
-with the same G add up to a sum over the jumps of z between them, of which those at samples are one Fourier transform.
+with the same G add up to a sum over the jumps of z between them: one Fourier transform of those at samples, and a
+series of a few of all others.
 """
 
 from math import nan, sqrt
@@ -40,8 +41,7 @@ from hknob_cli.scene.general_knob import GeneralKnob
 
 RATTLE = 4096  # samples over which a motion that does not repeat is measured
 _MOVING = (Reason.NO_REPEAT, Reason.TOO_SLOW, Reason.NO_STIFFNESS, Reason.NO_DAMPING)
-MOST_WORK = 400_000_000  # pieces times harmonics of an orbit, some seconds
-_BLOCK = 1 << 19  # numbers worked on at once
+MOST_WORK = 400_000_000  # pieces times harmonics of an orbit
 _SAME = 1e-11  # samples; what roundings of lengths leave between a sum of them and the sample where it ends
 NEGLIGIBLE = 1e-20  # term of the series of a coefficient that changes no digit of it
 SHORT = 1.0  # time in units of the fastest mode, up to which ten nodes integrate a piece to rounding
@@ -108,12 +108,30 @@ def _transform(times: Array, jumps: Array, n: int, split: float, w: Array) -> Co
         np.add.at(bins, at[there].astype(np.int64) % n, jumps[there])
         found += np.fft.fft(bins, axis=0)[np.arange(1, len(w) + 1) % n] * np.exp(-1j * offset * w)[:, None]
         left &= ~there
-    block = max(1, _BLOCK // max(1, int(left.sum())))
-    for first in range(0, len(w) if left.any() else 0, block):
-        part = slice(first, first + block)
-        # Not a matrix product, whose last digit may depend on the number of threads.
-        found[part] += np.einsum("ij,jk->ik", np.exp(-1j * np.outer(w[part], times[left])), jumps[left])
+    if left.any():
+        found += _scattered(times[left] / n, jumps[left], len(w))
     return found
+
+
+def _scattered(turns: Array, jumps: Array, count: int) -> Complex:
+    """Sum of jumps (m, width) times exp(-2πik turn), turns (m,) in periods: (count, width), k = 1, 2, ...
+
+    Each jump goes to the nearest of N points of the period, and what is left of its turn into a Taylor series, one
+    Fourier transform a term (Anderson & Dahleh, SIAM J. Sci. Comput. 17, 1996). Its argument is at most πk / N < π/2.
+    """
+    points = 1 << (2 * count).bit_length()
+    at = np.rint(points * turns)
+    apart, at = points * turns - at, at.astype(np.int64) % points
+    step = -2.0j * np.pi / points * np.arange(1, count + 1)
+    order, term = 0, 1.0
+    while term > NEGLIGIBLE:
+        order += 1
+        term *= np.pi * count / points / order
+    found = np.zeros((jumps.shape[1], count), dtype=np.complex128)
+    for power in range(order, -1, -1):
+        bins = np.array([np.bincount(at, one, minlength=points) for one in jumps.T * apart**power])
+        found = found * (step / (power + 1)) + np.fft.rfft(bins)[:, 1 : count + 1]
+    return found.T
 
 
 class Turns(NamedTuple):

@@ -48,6 +48,27 @@ def test_a_part_is_no_code_of_its_own() -> None:
     assert made.library.get_pointer_to_function(made.fndesc.llvm_func_name) == 0
 
 
+def test_a_part_is_handed_only_what_it_uses() -> None:
+    load_numba()
+    step = "    x = 0.5 * x + 1.5 if x < {k}.0 + many[7] else x - many[11] / (1.0 + x * x)"
+    steps = [step.format(k=k) for k in range(40)]  # too many to be written out at both calls
+    made: dict[str, Any] = {}
+    exec("\n".join(["def climb(x, many):", *steps, "    return x"]), made)
+    climb = made["climb"]
+
+    def top(x, many):
+        return climb(x, many) + climb(x + 1.0, many)
+
+    many = tuple(0.5 * k for k in range(60))
+    expected = top(0.3, many)
+    climb = kinds().part(climb)
+    entry = kinds().entry(top)
+    assert entry(0.3, many) == expected
+    code = entry.inspect_llvm(entry.signatures[0])
+    (taken,) = [line.count(" double ") for line in code.splitlines() if line.startswith("define") and "climb" in line]
+    assert taken == 3  # x, and two of the sixty
+
+
 def test_references_are_counted_only_where_arrays_are_made() -> None:
     functions: dict[str, Any] = compiled("general")
     counts = {name: function.targetoptions["_nrt"] for name, function in functions.items()}

@@ -3,6 +3,7 @@
 from math import sqrt
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -10,7 +11,7 @@ from hknob_cli.engine.attractors import Engine
 from hknob_cli.engine.general.search import GeneralEngine
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
-from hknob_cli.measure.general_orbit import GeneralMeasurer
+from hknob_cli.measure.general_orbit import GeneralMeasurer, _scattered
 from hknob_cli.measure.harmonics import MOST_HARMONICS, Harmonics, harmonic_count
 from hknob_cli.measure.orbit import Measurer
 from hknob_cli.scene.general_knob import sample_general
@@ -166,6 +167,27 @@ def test_what_is_missing_is_known() -> None:
     assert some.reach(320.0)
     assert not some.reach(400.0)
     assert not Harmonics(np.zeros(0), np.zeros(0, complex)).reach(1.0)
+
+
+@pytest.mark.parametrize(("jumps", "count"), [(1, 1), (5, 37), (200, 1500)])
+def test_jumps_between_samples_are_summed_to_rounding(jumps: int, count: int) -> None:
+    """Against 30 digits.
+
+    The points of the period are a power of two, so that what is left of a turn is exact. Each term of the series, at
+    most 26, and each level of its transform rounds once, and the sizes of the terms sum up to exp(π/2) at most.
+    """
+    draw = np.random.default_rng(jumps)
+    turns, sizes = np.sort(draw.random(jumps)), draw.normal(size=(jumps, 2))
+    found = _scattered(turns, sizes, count)
+    assert found.shape == (count, 2)
+    levels = (2 * count).bit_length()
+    bound = np.exp(np.pi / 2.0) * (26 + 2 * levels) * np.finfo(float).eps * np.abs(sizes).sum(axis=0)
+    with mpmath.workdps(30):
+        for k in {1, count // 2 + 1, count}:
+            waves = [mpmath.expjpi(-2 * k * mpmath.mpf(float(turn))) for turn in turns]
+            for column in range(2):
+                exact = mpmath.fdot(waves, [mpmath.mpf(float(size)) for size in sizes[:, column]])
+                assert abs(complex(exact) - found[k - 1, column]) <= bound[column]
 
 
 CONTROLLERS = {

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from hknob_cli.controllers.scalar_law import make_law
-from hknob_cli.engine.certificate import NOT_CAPTURED, PROVEN
+from hknob_cli.engine.attractors import Patience
+from hknob_cli.engine.certificate import NOT_CAPTURED, ON_EDGE, PROVEN
+from hknob_cli.engine.general.laws import follow
 from hknob_cli.engine.general.laws.cascade import pushed_apart, torques_apart
 from hknob_cli.engine.general.laws.law import PIECE, SPAN
 from hknob_cli.engine.general.laws.period import certify_with_law
@@ -214,3 +216,42 @@ def test_what_reads_the_velocity_beside_friction_is_labelled() -> None:
     )
     assert [one.reason for one in found.attractors] != [Reason.NONE]
     assert all(one.outcome in (Outcome.CYCLE, Outcome.REST) for one in found.attractors)
+
+
+@pytest.mark.parametrize("name", ["first-order hold", "bounded lag"])
+def test_a_motion_that_repeats_to_the_bit_is_not_moved_to_the_end(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As if all of its periods were followed, where no proof succeeds: the same end, after as many samples."""
+    moved = [0]
+
+    def unproven(*given: Any) -> Any:
+        _, *numbers = certify_with_law(*given)
+        return (ON_EDGE, *numbers)
+
+    def counted(*given: Any) -> float:
+        moved[0] += 1
+        return advance_with_law(*given)
+
+    monkeypatch.setattr(follow, "certify_with_law", unproven)
+    monkeypatch.setattr(follow, "advance_with_law", counted)
+    _, cell = made({**CONTROLLERS[name], **({"time_constant": 0.01} if name == "bounded lag" else {})})
+    knob = cell.knob
+    ends, most = [], 6000
+    for passed in (follow.periods_passed, lambda *_: 0):
+        monkeypatch.setattr(follow, "periods_passed", passed)
+        engine = LawEngine(cell.law, patience=Patience(samples=10**9))
+        start, moved[0] = knob.start(0.02, 0.0), 0
+        end = engine.search(
+            knob.body,
+            knob.wall,
+            start,
+            rate=cell.rate,
+            phases=1,
+            delay_line=engine.past_length,
+            max_samples=most,
+        )
+        ends.append((end, moved[0]))
+    (short, few), (full, all_of_them) = ends
+    assert [one.reason for one in full.attractors] == [Reason.ON_EDGE]
+    assert short == full
+    assert few < 0.5 * all_of_them
+    assert full.samples == most

@@ -132,22 +132,41 @@ def look_at_rest_with_law(trial, shown, body, wall, law):
     return REST_EDGE if fate == REST_ON_EDGE else UNSETTLED, False
 
 
+def same_to_the_bit(z, past, check, checkpast):
+    """Whether a motion is where it was, and all that is remembered as well, so that it repeats for ever."""
+    for j in range(len(z)):
+        if z[j] != check[j]:
+            return False
+    for j in range(len(past)):
+        if past[j] != checkpast[j]:
+            return False
+    return True
+
+
+def periods_passed(left, period, ahead, events):
+    """Whole periods in which nothing new is seen: within ``left`` samples, ``ahead`` events before a checkpoint."""
+    return max(0, min(left // period, (ahead - 1) // events))
+
+
 def follow_with_law(trial, budget, body, wall, law):
     """Follow a trial until its fate is proven: ``(fate, period, samples)``; as `general.follow.follow_trial`.
 
-    ``trial.ring`` is what the law remembers; it and ``trial.z`` are left at the orbit's state.
+    ``trial.ring`` is what the law remembers; it and ``trial.z`` are left at the orbit's state. A motion that repeats to
+    the last bit, and was not proven, is not moved through the periods before the next checkpoint, of which each is as
+    the one before; they count as samples.
     """
     z, past, space, check, checkpast = trial.z, trial.ring, trial.space, trial.check, trial.check_ring
     n = body.order
     samples = budget.samples - budget.skip
     loosest = FIRST_TOLERANCE if law.provable else REPEATS * (1.0 + abs(z[0]))
-    have, events, next_checkpoint, since = False, 0, 1, 0
+    have, events, next_checkpoint, begun, since = False, 0, 1, 0, 0
     tolerance, left_alone = loosest, 0
     kept, kept_fate = 0, CYCLE_ON_EDGE
     on_edge, settling = False, False
     shown = read_after(z[0], past[law.line - 1], wall)
     run, next_test = 0, FIRST_REST_TEST
-    for i in range(samples):
+    i = 0
+    while i < samples:
         x = z[0]
         if body.halt[0] > 0.0:
             return UNSETTLED, 0, i
@@ -226,9 +245,16 @@ def follow_with_law(trial, budget, body, wall, law):
                         tolerance = gap * min(1.0, 0.9 * margin / away) if away > 0.0 else 0.5 * gap
                     elif status == DIFFERENT and gap == 0.0:
                         tolerance = loosest
+                    steady = law.provable and not law.senses and tolerance == 0.0
+                    if steady and same_to_the_bit(z, past, check, checkpast):
+                        gone = events + 1 - begun
+                        passed = periods_passed(samples - 1 - i, since, next_checkpoint - events - 1, gone)
+                        i += passed * since
+                        events += passed * gone
+                        since += passed * since
             events += 1
             if events == next_checkpoint:
-                next_checkpoint = 2 * events
+                next_checkpoint, begun = 2 * events, events
                 have, since, tolerance = True, 0, loosest
                 copy_to(check, z)
                 copy_to(checkpast, past)
@@ -237,6 +263,7 @@ def follow_with_law(trial, budget, body, wall, law):
             advance_jittering_with_law(z, past, body, wall, law, space.pad)
         else:
             advance_with_law(z, past, body, wall, law, space.pad)
+        i += 1
     if not budget.final:  # what has repeated without proof may yet be left, or proven
         return (UNSETTLED if body.damped else UNDAMPED), 0, samples
     if kept > 0:
