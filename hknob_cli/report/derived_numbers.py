@@ -160,7 +160,8 @@ def _gain(scene: Scene, cell: Cell) -> float | None:
 
 
 def _needed(scene: Scene, cell: Cell) -> float | None:
-    edge = working_edge(scene, {COUNTS: 1, **cell})
+    slowest = cell[RATE] / (1.0 + (scene.clock.jitter if scene.clock else 0.0))  # a clock may always be late
+    edge = working_edge(scene, {COUNTS: 1, **cell, RATE: slowest})
     return needed_damping(edge, virtual=abs(scene.wall.damping)) if scene.wall.stiffness > 0.0 else None
 
 
@@ -270,7 +271,7 @@ def passivity(scene: Scene, axes: Axes) -> list[str]:
     """
     if not scene.sampled or RATE not in axes:
         return []
-    paths = (RATE, "wall.", "knob.", "hand.", "actuator.delay_samples", "motor.", "eddy_brake.", "gear.")
+    paths = (RATE, "wall.", "knob.", "hand.", "actuator.delay_samples", "motor.", "eddy_brake.", "gear.", "clock.")
     own, held, margin = [], [], [inf, 0.0]
     for one, cell in cells_for(scene, axes, paths):
         needed = _needed(one, cell)
@@ -291,6 +292,8 @@ def passivity(scene: Scene, axes: Axes) -> list[str]:
         lines.append("A winding with inductance is left out of that: its damping fades above R/(2 pi L).")
     if scene.hand:
         lines.append(f"Is that of knob and hand? {_how_many(held)}: b is {most} times what is needed.")
+    if any(one.clock and one.clock.jitter for one, _ in cells_for(scene, axes, ("clock.",))):
+        lines.append("It is asked of the longest interval that the clock may have.")
     if scene.encoder:
         lines.append("This condition leaves out the encoder's counts; hknob predict evaluates all published limits.")
     if beside := [name for name in ("controller", *OVER_ANGLE) if getattr(scene, name)]:

@@ -3,7 +3,7 @@
 Trials without a decided end: how many, and for what reasons.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import pyarrow as pa
@@ -38,10 +38,11 @@ class Undecided:
         return sorted(found, key=lambda one: (-int(one["trials"]), str(one["reason"])))
 
 
-def undecided_in(orbits: pa.Table, trials: int) -> list[Reason]:
-    """Why trials are undecided in a table of orbits."""
+def undecided_in(orbits: pa.Table, axes: Sequence[str], trials: int) -> list[Reason]:
+    """Why trials are undecided in a table of orbits over ``axes``; several ends of a cell may have one reason."""
     found = Undecided(trials)
-    found.take(*(orbits[name].to_pylist() for name in ("outcome", "reason", "basin_fraction")))
+    cells = orbits.group_by([*axes, "outcome", "reason"]).aggregate([("basin_fraction", "sum")])
+    found.take(*(cells[name].to_pylist() for name in ("outcome", "reason", "basin_fraction_sum")))
     return found.reasons()
 
 

@@ -27,11 +27,15 @@ def rattle_text(swings: Sequence[float], where: str = "") -> str:
     return f" It moves on{where} and no trial repeats: {swing}."
 
 
-def jitter_text(swings: Sequence[float], where: str = "") -> str:
-    """A sentence, after a space, on trials that a jittering clock keeps from repeating; empty where there are none."""
+def jitter_text(swings: Sequence[float], where: str = "", *, behind: bool = False) -> str:
+    """A sentence, after a space, on trials that a jittering clock keeps from repeating; empty where there are none.
+
+    ``behind``: whether the swings are those of a motor, with the knob behind a gear that yields.
+    """
     if not swings:
         return ""
-    swing = f"the knob swings by {range_text([1e3 * one for one in swings], 'mrad')} on average"
+    what = "motor" if behind else "knob"
+    swing = f"the {what} swings by {range_text([1e3 * one for one in swings], 'mrad')} on average"
     return (
         f" It buzzes{where} without repeating, because the sample clock jitters: {swing} (one trial each, not proven)."
     )

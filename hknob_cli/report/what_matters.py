@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 MOST_BINS = 12
 _IN_A_BIN = 20  # cells, at least, unless an axis has so few values
 _LEAST_CELLS = 16
+SWINGS = ("rattle_max_rad", "jitter_max_rad")  # of what does not repeat
 _BAND = (10.0, 50.0, 90.0)  # percentiles
 
 Columns = dict[str, "NDArray[Any]"]
@@ -64,12 +65,21 @@ def axes_that_matter(axes: Sequence[str], names: Sequence[str]) -> list[str]:
 
 
 def matters_of(rows: Sequence[dict[str, Any]], axes: Sequence[str]) -> list[Matter]:
-    """What matters in the cells of a sweep; nothing where they are a map, which shows it."""
+    """What matters in the cells of a sweep; nothing where they are a map, which shows it.
+
+    What moves on without repeating has the size of its swing.
+    """
+    import numpy as np
+
     plain = [axis for axis in axes if axis != PERSON]
     if is_map(columns_in(rows, plain), plain):
         return []
     names = axes_that_matter(axes, list(rows[0]))
-    return what_matters(columns_in(rows, [*names, *WORST, "at_rest_fraction"]), names)
+    columns = columns_in(rows, [*names, *WORST, "at_rest_fraction"])
+    for swing in (one for one in SWINGS if one in rows[0]):
+        largest = columns_in(rows, [swing])[swing]
+        columns[WORST[0]] = np.fmax(columns[WORST[0]], largest)
+    return what_matters(columns, names)
 
 
 def columns_in(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> Columns:
@@ -194,7 +204,7 @@ def matters_text(matters: Sequence[dict[str, Any]], cells: str) -> list[str]:
     return [
         *table(heads, body, left=range(len(heads))),
         f"of the order of {cells} cells by size, rest the least; {left:.0f} % is the interplay of axes, or within bins",
-        "medians of cells that buzz, each by its largest cycle, from one end of an axis to the other",
+        "medians of cells that buzz, each by its largest cycle or swing, from one end of an axis to the other",
     ]
 
 

@@ -42,7 +42,7 @@ def _of_scene(scene: Scene, starts: Starts) -> Iterator[str]:
         yield f"some {what} will be followed, not all: sets of states are not followed with {_hindrance(parts, kind)}"
     verdict, part = verdict_of(parts, engine)
     if verdict != PROVEN:
-        yield f"what is found will not be proven: the scene has {part}"
+        yield f"what is found may stay unproven: the scene has {part}"
 
 
 def _hindrance(parts: frozenset[str], kind: str) -> str:

@@ -3,7 +3,8 @@
 from collections.abc import Iterator
 from itertools import product
 
-from hknob_cli.specs.plan import GRIP, PERSON, Hand, Scene, SweepPlan, scene_at
+from hknob_cli.report.derived_numbers import body
+from hknob_cli.specs.plan import GRIP, PERSON, Scene, SweepPlan, scene_at
 from hknob_cli.theory.bounded_lag import best_keep, slowness
 
 LAG = "bounded_lag"
@@ -48,17 +49,14 @@ def _differing(sweep: SweepPlan) -> Iterator[Scene]:
     axes = {
         name: values
         for name, values in sweep.axes.items()
-        if name in (PERSON, GRIP) or name.startswith(("knob.", "hand.", "controller."))
+        if name in (PERSON, GRIP)
+        or name.startswith(("knob.", "hand.", "controller.", "gear.", "motor.", "eddy_brake."))
     }
     for values in product(*axes.values()):
         yield scene_at(sweep.scene, dict(zip(axes, values, strict=True)))
 
 
 def _slowness(scene: Scene) -> float:
-    hand = scene.hand or Hand()
     assert scene.controller
-    return slowness(
-        inertia_kg_m2=scene.knob.inertia + hand.inertia,
-        damping_nm_s_per_rad=scene.knob.damping + hand.damping,
-        time_constant_s=scene.controller.time_constant,
-    )
+    inertia, damping, _ = body(scene)
+    return slowness(inertia_kg_m2=inertia, damping_nm_s_per_rad=damping, time_constant_s=scene.controller.time_constant)

@@ -136,6 +136,20 @@ def test_passivity_is_judged_by_the_damping(tmp_path: Path) -> None:
     assert "In a part of the grid only" in as_data(_explained(tmp_path / "spec.yaml", both))["passivity"][1]
 
 
+def test_passivity_is_asked_of_the_longest_interval_of_a_clock(tmp_path: Path) -> None:
+    """A clock that may jitter by 90 % may always be late: b is to be above K T (1 + 0.9) / 2."""
+    (tmp_path / "spec.yaml").write_text(starter("sweep"))
+    scene = (
+        "{knob: {inertia: 1.9e-6}, hand: {inertia: 3e-7, damping: %g}, wall: {stiffness: 0.27}, clock: {jitter: 0.9}}"
+    )
+    needed = 0.27 * 1e-3 * 1.9 / 2
+    for factor, word in ((0.999, "No"), (1.001, "Yes")):
+        sets = (f"scene={scene % (factor * needed)}", "grid={sample_rate_hz: 1000, counts_per_rev: 1024}")
+        lines = as_data(_explained(tmp_path / "spec.yaml", sets))["passivity"]
+        assert lines[1].startswith(f"Is that of knob and hand? {word}: b is")
+        assert lines[2] == "It is asked of the longest interval that the clock may have."
+
+
 def test_what_is_not_proven_and_ignored_is_said(tmp_path: Path) -> None:
     (tmp_path / "spec.yaml").write_text(SPEC)
     bare = as_data(_explained(tmp_path / "spec.yaml", ("scene.encoder=none", "grid={sample_rate_hz: 1000}")))

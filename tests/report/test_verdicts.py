@@ -2,8 +2,10 @@
 
 from typing import Any
 
+import pyarrow as pa
 import pytest
 
+from hknob_cli.report.sweep_words import undecided_in
 from hknob_cli.report.verdicts import biased, calibrated, compared, grid_verdict, identified, people_buzz
 from hknob_cli.stages.remedies.text import _line as remedy_line
 from hknob_cli.stages.sweep.text import one_cell_text
@@ -183,6 +185,27 @@ def test_one_cell_whose_clock_jitters_says_so() -> None:
     assert said.startswith("No limit cycle was found")
     assert " It buzzes without repeating, because the sample clock jitters: the knob swings by 4 mrad" in said
     assert "jitters" not in one_cell_text([end])[0]
+
+
+def test_a_knob_behind_a_gear_that_yields_is_told_from_its_motor() -> None:
+    cycle = {"outcome": "cycle", "basin_fraction": 1.0, "certified": True, "reason": ""}
+    cycle |= {"p2p_rad": 1e-3, "frequency_hz": 50.0}
+    assert "tried: 1 mrad peak to peak at 50 Hz" in one_cell_text([cycle])[0]
+    (said,) = one_cell_text([{**cycle, "knob_p2p_rad": 3e-3}])
+    assert "tried: the knob swings by 3 mrad, the motor by 1 mrad peak to peak at 50 Hz" in said
+    end = {"outcome": "undecided", "basin_fraction": 1.0, "certified": False, "reason": "x", "jitter_p2p_rad": 4e-3}
+    assert "the motor swings by 4 mrad on average" in one_cell_text([{**end, "knob_p2p_rad": 5e-3}])[0]
+
+
+def test_undecided_ends_of_one_reason_are_one_cell() -> None:
+    rows = [("undecided", "long", 0.25, 1.0), ("undecided", "long", 0.5, 1.0), ("rest", "", 0.25, 1.0)]
+    rows += [("undecided", "long", 0.5, 2.0), ("undecided", "fine", 0.5, 2.0)]
+    names = ("outcome", "reason", "basin_fraction", "sample_rate_hz")
+    table = pa.table(dict(zip(names, zip(*rows, strict=True), strict=True)))
+    assert undecided_in(table, ["sample_rate_hz"], 8) == [
+        {"reason": "long", "cells": 2, "trials": 10},
+        {"reason": "fine", "cells": 1, "trials": 4},
+    ]
 
 
 def test_random_starts_are_as_many_as_the_engine_counts() -> None:

@@ -119,6 +119,27 @@ def test_a_map_has_two_axes_and_every_cell(a: list, b: list, c: list, there: boo
     assert is_map({"a": np.array(a), "b": np.array(b), "c": np.array(c)}, "abc") == there
 
 
+def test_what_does_not_repeat_has_the_size_of_its_swing() -> None:
+    """Beside a clock that jitters: else only what rests would be left, and jitter would quiet the knob."""
+    rows = [
+        {
+            **{"clock.jitter": jitter, "a": a, "b": b, "p2p_max_rad": None if jitter else 1e-3 * a},
+            **{"frequency_at_max_hz": None if jitter else 80.0, "jitter_max_rad": 3e-3 * a if jitter else None},
+            "at_rest_fraction": 0.0,
+        }
+        for jitter in (0.0, 0.2)
+        for a in (1.0, 2.0, 3.0)
+        for b in (1.0, 2.0, 3.0)
+    ]
+    found = {one.axis: one for one in matters_of(rows, ["clock.jitter", "a", "b"])}
+    first, last = found["clock.jitter"].bins
+    assert (first.cells, last.cells) == (9, 9)
+    assert first.p2p_rad and last.p2p_rad
+    assert (first.p2p_rad[1], last.p2p_rad[1]) == (2e-3, pytest.approx(6e-3))
+    assert last.frequency_hz is None
+    assert found["clock.jitter"].correlation > 0.5
+
+
 def test_persons_matter_by_their_hands() -> None:
     size = 0.1 + UNIT[:, 0]
     table = pa.table(columns(size, person=np.arange(COUNT), hand_stiffness_nm_per_rad=UNIT[:, 1]))

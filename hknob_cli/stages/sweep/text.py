@@ -31,6 +31,7 @@ def describe_one(orbits: list[Row]) -> list[Row]:
         "basin_fraction",
         "certified",
         "reason",
+        "knob_p2p_rad",
         "rattle_p2p_rad",
         "jitter_p2p_rad",
         "jitter_frequency_hz",
@@ -48,7 +49,10 @@ def one_cell_text(
     """
     cycles = sorted((row for row in orbits if row["outcome"] == "cycle"), key=lambda row: -row["p2p_rad"])
     rattles = rattle_text([row["rattle_p2p_rad"] for row in orbits if row.get("rattle_p2p_rad")])
-    rattles += jitter_text([row["jitter_p2p_rad"] for row in orbits if row.get("jitter_p2p_rad")])
+    jitters = [row for row in orbits if row.get("jitter_p2p_rad")]
+    rattles += jitter_text(
+        [row["jitter_p2p_rad"] for row in jitters], behind=any(row.get("knob_p2p_rad") for row in jitters)
+    )
     rattles += every_clock_text([] if bound is None else [bound])
     tried = f"{trials} random starts" if trials and unproven else "every start tried"
     left = f" {percent(unproven)} of the range has no proven end." if unproven else ""
@@ -58,8 +62,8 @@ def one_cell_text(
     worst = cycles[0]
     of = "" if len(cycles) == 1 else f" in the largest of {len(cycles)} limit cycles"
     sentence = (
-        f"It buzzes, from {_share(share, tried)}: {short(1e3 * worst['p2p_rad'])} mrad peak to peak at "
-        f"{short(worst['frequency_hz'])} Hz{of} ({_proof(cycles)}).{left}"
+        f"It buzzes, from {_share(share, tried)}: {_size(worst)} at {short(worst['frequency_hz'])} Hz{of} "
+        f"({_proof(cycles)}).{left}"
     )
     if len(cycles) > 1:
         size, pitch = (sum(row["basin_fraction"] * row[name] for row in cycles) for name in ("p2p_rad", "frequency_hz"))
@@ -82,6 +86,13 @@ def one_cell_text(
     ]
     more = [f"... and {len(cycles) - MOST_ORBITS} smaller ones in orbits.parquet"] if len(cycles) > MOST_ORBITS else []
     return [sentence, "", *table(["p2p mrad", "frequency Hz", "% of starts", "proven"], body), *more]
+
+
+def _size(row: Row) -> str:
+    """How far it swings; behind a gear that yields, the knob and the encoder's side."""
+    size = f"{short(1e3 * row['p2p_rad'])} mrad peak to peak"
+    behind = row.get("knob_p2p_rad")
+    return size if behind is None else f"the knob swings by {short(1e3 * behind)} mrad, the motor by {size}"
 
 
 def _without_cycle(orbits: list[Row], tried: str, left: str) -> str:
@@ -134,7 +145,7 @@ def describe_sweep(cells: pa.Table, orbits: pa.Table, *, axes: list[str], trials
     rows = cells.to_pylist()
     outcomes = orbits["outcome"].to_pylist()
     people = {"population": describe_people(rows, axes)} if PERSON in axes else {}
-    undecided = undecided_in(orbits, trials) if "undecided" in outcomes else []
+    undecided = undecided_in(orbits, axes, trials) if "undecided" in outcomes else []
     matters = describe_matters(matters_of(rows, axes))
     return {
         "axes": {axis: list(dict.fromkeys(row[axis] for row in rows)) for axis in axes},
@@ -157,7 +168,9 @@ def table_text(summary: dict[str, Any], axes: list[str]) -> str:
     if len(rows) > 1 and "population" not in summary and "growth_j_per_s2" not in rows[0]:
         lines += ["", grid_verdict(rows, wide)]
     if "what_matters" in summary:
-        lines += ["", *matters_text(summary["what_matters"], f"{len(rows):,}")]
+        looked_at = sum(one["cells"] for one in summary["what_matters"][0]["bins"])
+        some = f"{len(rows):,}" if looked_at == len(rows) else f"{looked_at:,} of {len(rows):,}"
+        lines += ["", *matters_text(summary["what_matters"], some)]
         if len(rows) > MAX_ROWS:
             notes = [*_notes(summary), *perceived_text(rows)]
             return "\n".join([*lines, *(["", *notes] if notes else [])])
