@@ -134,7 +134,8 @@ def test_what_does_not_repeat_has_the_size_of_its_swing() -> None:
     found = {one.axis: one for one in matters_of(rows, ["clock.jitter", "a", "b"])}
     first, last = found["clock.jitter"].bins
     assert (first.cells, last.cells) == (9, 9)
-    assert first.p2p_rad and last.p2p_rad
+    assert first.p2p_rad
+    assert last.p2p_rad
     assert (first.p2p_rad[1], last.p2p_rad[1]) == (2e-3, pytest.approx(6e-3))
     assert last.frequency_hz is None
     assert found["clock.jitter"].correlation > 0.5

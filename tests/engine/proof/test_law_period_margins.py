@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
+from hknob_cli.engine.general import cogging
 from hknob_cli.engine.general.body import Body, distance, norm, stiffness
 from hknob_cli.engine.general.controller import count_gap, edge_gap, read, read_after
 from hknob_cli.engine.general.laws import period as proof
 from hknob_cli.engine.general.laws.cascade import apart
 from hknob_cli.engine.general.laws.law import LOOK, PIECE
 from hknob_cli.engine.general.laws.period import AT_EVENT, AT_SWITCH, EXPANDS
+from hknob_cli.engine.general.laws.period import PARTS as PARTED
 from hknob_cli.engine.general.laws.step import FREE
 from hknob_cli.engine.general.search import make_space
 
@@ -346,6 +348,33 @@ def test_a_standstill_within_the_error_is_not_decided(form: str) -> None:
             assert again.status == status
             assert (again.margin, again.edge, again.bound) == (1e9, 0.3, found.bound)
         assert prove(stage._replace(marks=marks), law, one=one._replace(friction=0.0)).status == PROVEN
+
+
+def test_a_standstill_beside_cogging_has_its_spring_too() -> None:
+    """The root of a slope of 4 counts the error of a place as a speed, and speeds as torques."""
+    one = body(beta=1.0, alpha=1.0)._replace(cogs=[4.0, 8.0, -2.5, 16.0, 2.0, 0.0])
+    law, stage = fading(weight=1.0), Stage(missed=0.001)
+    found = prove(stage._replace(marks=(inf, inf, inf)), law, one=one._replace(friction=1.0))
+    assert found.status == PROVEN
+    wrong, _ = wrong_of(stage, law)
+    speed = norm(found.space.away, one) + 2.0 * found.space.away[0] + wrong * 4
+    torque = 2.0 * ((stiffness(one) + 2.0) * speed + wrong)
+    for marks, status in (
+        ((1.0001 * torque, 1.0001 * speed, inf), PROVEN),
+        ((0.9999 * torque, inf, inf), AT_EVENT),
+        ((inf, 0.9999 * speed, inf), AT_EVENT),
+    ):
+        assert prove(stage._replace(marks=marks), law, one=one._replace(friction=1.0)).status == status
+
+
+def test_a_cycle_is_proven_where_springs_hold_the_knob_and_nowhere_else(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By a slope of a quarter alone; not on the next one, nor where hand and slope cancel, and nothing is left."""
+    monkeypatch.setattr(cogging, "SPRINGS", 0.0)
+    free, soft = body(beta=0.0)._replace(reach=inf), body(beta=0.25)._replace(reach=2.0)
+    for one, centre, status in ((free, -2.5, PROVEN), (free, 5.5, PARTED), (soft, -2.5, PROVEN), (soft, 5.5, PARTED)):
+        found = prove(Stage(), law_of(), one=one._replace(cogs=[0.25, 8.0, centre, 1.0, 0.5, 0.0]))
+        assert found.status == status
+        assert found.bound < 1.0
 
 
 def test_at_the_very_limit_of_a_standstill_nothing_is_proven() -> None:

@@ -13,7 +13,7 @@ from hknob_cli.engine.general import period_map, powers
 from hknob_cli.engine.general.body import Body, distance, norm, stiffness
 from hknob_cli.engine.general.cogging import far_apart
 from hknob_cli.engine.general.controller import Controller
-from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, Space, certify
+from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS, Space, certify
 from hknob_cli.engine.general.search import make_space
 
 from .test_standstill_margins import FINGER, LAGGING, WALL, body
@@ -364,8 +364,8 @@ def test_the_unit_of_speeds_is_the_pace_of_the_orbit(
 
 def test_an_error_of_a_finger_is_bounded_whatever_its_signs(monkeypatch: pytest.MonkeyPatch) -> None:
     """An error of knob and finger may go opposite ways, and then has more energy than the sizes of its numbers say."""
-    for order, lag in ((4, 0.0), (5, 0.5)):
-        one = FINGER._replace(order=order, lag=lag, reach=1.0, friction=0.0)
+    for order, lag, ratio in ((4, 0.0, 4.0), (5, 0.5, 4.0), (4, 0.0, 1.0)):
+        one = FINGER._replace(order=order, lag=lag, ratio=ratio, reach=1.0, friction=0.0)
         stage = Stage(np.diag([0.5] * order), np.array([*[-2.5, 0.25, 1.0, 0.25, 1.0][:order], 0.0]), pace=3.0)
         away = errors_of(stage, one)
         for beside in ({}, {"cogs": [0.25, 8.0, -3.0, 1.0, 0.5, 0.0]}, {"cogs": [0.25, 8.0, 5.0, 1.0, 0.5, 0.0]}):
@@ -379,6 +379,19 @@ def test_an_error_of_a_finger_is_bounded_whatever_its_signs(monkeypatch: pytest.
             most = most_of(far, away, one._replace(**beside))
             assert most > 1.2 * far(list(away), one._replace(**beside))
             assert found.bound == pytest.approx(most, rel=1e-9, abs=0.0)
+
+
+def test_an_error_beside_cogging_is_bounded_where_springs_hold(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By the slope's spring alone, too, without a hand; on a slope that does not hold the knob at its begin alone."""
+    away = errors(planar(), np.zeros(2))
+    free = body(beta=0.0)._replace(reach=inf)
+    stable = prove(monkeypatch, planar(), PLACE, free._replace(cogs=[0.25, 8.0, -2.5, 1.0, 0.5, 0.0]))
+    assert stable.status == PROVEN
+    energy = sqrt(away[1] ** 2 + 0.25 * away[0] ** 2)
+    assert stable.bound == pytest.approx(max(away[0], energy / 0.5), rel=1e-9, abs=0.0)
+    unstable = prove(monkeypatch, planar(), PLACE, free._replace(cogs=[0.25, 8.0, 5.5, 1.0, 0.5, 0.0]))
+    assert unstable.status == PARTS
+    assert unstable.bound == pytest.approx(away[0], rel=1e-9, abs=0.0)
 
 
 # What refuses a proof.

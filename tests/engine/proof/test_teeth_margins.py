@@ -1,6 +1,6 @@
 """Teeth on one flank, on their margins: how near a motion must be so that they do not part, and what is proven then."""
 
-from math import inf, sqrt
+from math import inf, nextafter, sqrt
 
 import numpy as np
 import pytest
@@ -124,3 +124,46 @@ def test_a_motor_at_the_very_level_of_friction_stays_held_while_nothing_changes(
     assert stuck_told(z, one.friction, [0.0] * 8, 0, 9.0, one)
     assert stuck_told([3.0, 0.0, 0.5, 0.0], -one.friction, [0.0] * 8, 0, 9.0, one)
     assert not stuck_told(z, one.friction, [0.0, 0.0, 1.0, -one.pad_stiffness / one.pad_damping], 1, 1e-9, one)
+
+
+@pytest.mark.parametrize("friction", [0.25, 1.0, 4.0])
+def test_a_motor_that_friction_may_let_go_is_not_told(friction: float) -> None:
+    """At its very level, of whatever size, while the torque of the mesh is about to change; in the gap it is."""
+    one = lone().body._replace(friction=friction, pad_stiffness=2.0, pad_damping=0.25)
+    rates = [0.0, 0.0, 0.125, -1.0, *[0.0] * 4]
+    z = [3.0, 0.0, 0.5, 0.0]
+    n = one.order
+    matrix = list(one.matrices)
+    matrix[n + 2], matrix[n + 3] = -2.0, -0.25
+    one = one._replace(matrices=matrix)
+    assert not told(z, friction + 1.0, rates, 1, 0, 1e-6, 1.0, 1.0, 1.0, one)
+    assert told(z, friction + 0.9, rates, 1, 0, 1e-6, 1.0, 1.0, 1.0, one)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_held_motor_is_released_once_or_not(sign: float) -> None:
+    """By a lag of a quarter: a torque that changes by 1 a sample, and that by a quarter, is monotone for 4 samples."""
+    zeros = [0.0] * 5
+    rates, gap = [zeros, [0.0, 0.0, -2.0, -0.25, 1.0], *[zeros] * 3], [zeros, [0.0, 0.0, 0.0, 0.0, 1.0], *[zeros] * 3]
+    one = lone().body._replace(
+        order=5,
+        lag=0.25,
+        friction=2.0,
+        pad_stiffness=2.0,
+        pad_damping=0.25,
+        play=3.0,
+        matrices=[x for row in [*rates, *gap] for x in row],
+        vectors=[0.0] * 15,
+    )
+    z = [3.0, 0.0, -1.0, 0.0, 1.25 * sign]
+    for way in (1.0, -1.0):
+        for h, clear in ((nextafter(4.0, 0.0), True), (4.0, False), (9.0, False)):
+            assert stuck_told(z, 7.0, [0.0, 0.0, 0.0, 0.0, way], 0, h, one) == clear
+        for rate, clear in ((0.125, False), (0.1249, True)):  # 4 rates, and a half of 16 quarters of one
+            assert stuck_told(z, 7.0, [0.0, 0.0, 0.0, 0.0, way * rate], 0, 4.0, one) == clear
+        at_level = [3.0, 0.0, -1.0, 0.0, 2.0 * sign]
+        assert not stuck_told(at_level, 7.0, [0.0, 0.0, 0.0, 0.0, 0.1 * way], 0, 4.0, one)
+        # A mesh that moves changes the torque where teeth press, and nothing in the gap.
+        for side, d, pull in ((1, 0.5, -1.0), (0, -1.0, 0.0), (-1, -3.5, 1.0)):
+            at_level = [3.0, 0.0, d, 0.0, 2.0 * sign - pull]
+            assert stuck_told(at_level, 7.0, [0.0, 0.0, way, 0.0, 0.0], side, 2.0**-10, one) == (side != 0)
