@@ -11,9 +11,10 @@ from hknob_cli.engine.attractors import Engine
 from hknob_cli.engine.general.search import GeneralEngine
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
-from hknob_cli.measure.general_orbit import GeneralMeasurer, _scattered
+from hknob_cli.measure.general_orbit import GeneralMeasurer
 from hknob_cli.measure.harmonics import MOST_HARMONICS, Harmonics, harmonic_count
 from hknob_cli.measure.orbit import Measurer
+from hknob_cli.measure.piece_harmonics import _scattered
 from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.scene.sampled_knob import sample_knob
 from hknob_cli.specs.electrical import reduced
