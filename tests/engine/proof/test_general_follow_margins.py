@@ -19,6 +19,8 @@ from .test_standstill_margins import WALL, body
 
 DAMPED = WALL._replace(damping=0.1)
 
+COGS = [0.0, 1e9, 0.0, 0.0, 0.0, 0.0]  # without a torque, and corners far away
+
 
 def row(
     fate: int = CYCLE_PROVEN, period: int = 6, margin: float = 0.375, bound: float = 0.125, before: float = -3.0
@@ -210,3 +212,26 @@ def test_a_fixed_point_of_one_sample_inside_the_wall_is_a_rest(monkeypatch: pyte
     ):
         whether, z, ring, _ = contracts(monkeypatch, status, x, wall)
         assert (whether, z, ring) == (False, [x, 0.125], [1.0, 2.0])
+
+
+def test_with_hysteresis_the_same_count_goes_on() -> None:
+    """Inside the wall, where counts act; what a row of the table keeps is the orbit's reading before."""
+    wall, rows = WALL._replace(hysteresis=0.5), [row(before=-3.0)]
+    assert found([-2.5, 0.5], rows, [[-2.5, 0.5]], wall=wall, before=-3.0) == 0
+    assert found([-2.5, 0.5], rows, [[-2.5, 0.5]], wall=wall, before=-2.0) == -1
+    outside = [row(before=0.0)]
+    assert found([-2.5, 0.5], outside, [[-2.5, 0.5]], wall=wall, before=4.0) == 0
+
+
+@pytest.mark.parametrize(("more", "parts"), [({}, False), ({"play": 0.5}, True), ({"cogs": COGS}, True)])
+def test_where_motions_may_part_a_return_need_not_be_as_close(
+    more: dict[str, Any], parts: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Under a spring and a damper, six samples from one end of a swing; only the readings are compared there."""
+
+    def without_cogs(z: Any, before: float, ring: Any, head: int, one: Body, wall: Controller, pad: Any) -> Any:
+        return advance(z, before, ring, head, one._replace(cogs=None), wall, pad)
+
+    monkeypatch.setattr(follow, "advance", without_cogs)
+    one = body(alpha=0.1, beta=1.0, push=2.5)._replace(**more)
+    assert repeats([-0.55, 0.05], 6, 0.0, one, trail=[-1.0, -1.0, -2.0, -2.0, -1.0, 0.0]) is parts

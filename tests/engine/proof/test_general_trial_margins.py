@@ -30,7 +30,9 @@ from hknob_cli.engine.general.follow import (
     KNOWN,
     PATIENCE,
     PROOF_COST,
+    fate_of,
     follow_trial,
+    rubs_alone,
 )
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS
 from hknob_cli.engine.general.search import make_space
@@ -414,3 +416,39 @@ def test_only_a_knob_alone_with_friction_takes_the_shorter_step(trial: Callable[
 
 def test_inf_is_no_limit(trial: Callable[..., Trial]) -> None:
     assert trial([(-1e300, 0.0)] * 3).run(limit=inf)[0] == UNSETTLED
+
+
+def test_a_rest_keeps_the_reading_that_hysteresis_goes_on_from(trial: Callable[..., Trial]) -> None:
+    """That of the sample; without hysteresis that of the sample before. Outside the wall all act alike."""
+    drifting = [(2.0 * i + 0.5, 0.0) for i in range(30)]
+    for hysteresis, ahead in ((0.0, 0), (1e-9, 1), (0.5, 1)):
+        wall = WALL._replace(hysteresis=hysteresis)
+        seen = trial(drifting, rests=dict.fromkeys(range(30), AT_REST))
+        fate, period, before, head, at = seen.run(wall=wall)
+        assert (fate, period, before, head) == (REST_PROVEN, 1, 2.0 * (at - 1 + ahead), 0)
+        assert 0 < at < 29
+        late = trial(drifting, rests={29: AT_REST})
+        assert late.run(wall=wall) == (REST_PROVEN, 1, 2.0 * (28 + ahead), 0, 29)
+
+
+def test_friction_alone_is_what_a_shorter_step_is_for() -> None:
+    rubs = body(friction=0.01)
+    assert rubs_alone([], rubs, WALL)
+    assert not rubs_alone([], body(), WALL)
+    assert not rubs_alone([0.0], rubs, WALL)
+    assert not rubs_alone([], rubs._replace(order=3), WALL)
+    assert not rubs_alone([], rubs._replace(cogs=[1.0] * 6), WALL)
+    assert not rubs_alone([], rubs, WALL._replace(hysteresis=1e-9))
+
+
+def test_a_failed_proof_that_says_nothing_leaves_a_trial_open() -> None:
+    assert fate_of(EXPANDS) == CYCLE_EXPANDS
+    assert fate_of(DIFFERENT) == UNSETTLED
+
+
+def test_what_settles_once_settles_though_a_later_look_does_not_tell(trial: Callable[..., Trial]) -> None:
+    looked = trial([(0.5, 0.0)] * 40)
+    assert looked.run()[0] == UNSETTLED
+    first, second = looked.settled[:2]
+    assert second < 39
+    assert trial([(0.5, 0.0)] * 40, rests={first: SETTLING}).run()[:2] == (REST_PROVEN, 1)
