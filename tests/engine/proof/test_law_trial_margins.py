@@ -29,8 +29,17 @@ from hknob_cli.engine.general.laws.cascade import (
     same_count,
     torques_apart,
 )
-from hknob_cli.engine.general.laws.follow import CLOSE, LOOK_AGAIN, captured_with_law, fate_of, follow_with_law, unlike
-from hknob_cli.engine.general.laws.law import CYCLE_AT_SWITCH, CYCLE_NOT_AFFINE
+from hknob_cli.engine.general.laws.follow import (
+    CLOSE,
+    LOOK_AGAIN,
+    captured_with_law,
+    fate_of,
+    follow_with_law,
+    periods_passed,
+    same_to_the_bit,
+    unlike,
+)
+from hknob_cli.engine.general.laws.law import CYCLE_AT_SWITCH, CYCLE_NOT_AFFINE, REST_NOT_PROVEN
 from hknob_cli.engine.general.laws.period import AT_SWITCH, REPEATS
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS
 from hknob_cli.engine.general.search import make_space
@@ -476,3 +485,72 @@ def test_a_known_orbit_captures_within_its_margin_and_guards(side: float) -> Non
     assert row_of((0.0, 0.0), off_by, guarded, before=0.126) == 1
     assert row_of((0.0, 0.0), off_by, guarded, before=0.125) == -1
     assert row_of((0.0, 0.0), off_by, before=0.125) == 1
+
+
+# Periods that repeat to the last bit, and a clock that jitters.
+
+
+def test_whole_periods_before_a_limit_and_a_checkpoint() -> None:
+    """The event at which they are counted, and the one that makes a checkpoint, are seen."""
+    counts = {(100, 4, 9, 2): 4, (7, 4, 99, 2): 1, (8, 4, 99, 2): 2, (3, 4, 99, 2): 0}
+    counts |= {(100, 4, 3, 2): 1, (100, 4, 2, 2): 0, (100, 4, 0, 2): 0, (100, 4, 1, 1): 0}
+    assert {given: periods_passed(*given) for given in counts} == counts
+
+
+def test_the_same_to_the_bit_is_all_of_a_state_and_of_what_is_remembered() -> None:
+    z, past, off = [1.0, 2.0], [3.0, 4.0], nextafter(4.0, 5.0)
+    assert same_to_the_bit(z, past, [1.0, 2.0], [3.0, 4.0])
+    for other, memory in (([1.0, nextafter(2.0, 3.0)], past), ([0.0, 2.0], past), (z, [3.0, off]), (z, [0.0, 4.0])):
+        assert not same_to_the_bit(z, past, other, memory)
+
+
+@pytest.mark.parametrize("inner", [1, 2])
+def test_passing_over_periods_changes_nothing(
+    inner: int, trial: Callable[..., Trial], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever the limit: the same end, in the same state, and proofs of the same periods."""
+    period = [(0.5, 0.0), (-0.5, 0.0)] + [(0.5, 1.0), (-0.5, 1.0)] * (inner - 1) + [(0.5, 2.0)]
+    passed = 0
+    for length in range(4, 150):
+        states, ends = [period[i % len(period)] for i in range(length + 1)], []
+        for count in (periods_passed, lambda *_: 0):
+            monkeypatch.setattr(follow, "periods_passed", count)
+            one = trial(states, proofs=lambda _: ON_EDGE)
+            found = one.run()
+            ends.append((found, one.z, one.past, [n for _, n in one.certified], one.at))
+        (*short, few), (*full, every) = ends
+        assert short == full
+        assert every == length
+        passed += every - few
+    assert passed > 2000
+
+
+@pytest.mark.parametrize("more", [{"provable": False}, {"senses": True}])
+def test_only_what_can_be_proven_is_passed_over(more: dict[str, Any], trial: Callable[..., Trial]) -> None:
+    one = trial([(0.5, 0.0), (-0.5, 0.0)] * 30, proofs=lambda _: DIFFERENT, law=law_of(**more))
+    one.run()
+    assert one.at == 59
+
+
+def test_a_clock_that_jitters_leaves_a_rest_that_comes_again_to_twelve_digits(
+    trial: Callable[..., Trial], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Looked for 64 samples apart, by the place and by what is remembered; without jitter a proof is asked for."""
+    wall, law = WALL._replace(clock=[0.0] * 6), law_of(provable=False)
+    for gap, memory, at in (
+        (0.0, {}, 126),
+        (0.999 * CLOSE * 3.5, {}, 126),
+        (-0.999 * CLOSE * 3.5, {}, 126),
+        (1.001 * CLOSE * 3.5, {}, 190),
+        (0.0, dict.fromkeys(range(100, 300), 1e-07), 190),
+    ):
+        one = trial([(-2.5, 0.0)] * 100 + [(-2.5 + gap, 0.0)] * 200, law=law, memory=memory)
+        monkeypatch.setattr(follow, "advance_jittering_with_law", one.advance_with_law)
+        assert one.run(wall=wall) == (REST_NOT_PROVEN, 1, at)
+        assert one.certified == []
+
+
+def test_what_settles_once_under_a_law_settles_though_a_later_look_does_not_tell(trial: Callable[..., Trial]) -> None:
+    first = trial([(0.5, 0.0)] * 40)
+    first.run()
+    assert trial([(0.5, 0.0)] * 40, rests={first.settled[0]: SETTLING}).run()[:2] == (REST_PROVEN, 1)
