@@ -8,7 +8,7 @@
 - `hand_from`, `find_people` hands from `conditions`
 - `parquet` files, checked as they are read
 - `capabilities` what goes with what, one table
-- `refusals` what it refuses, as faults, `promise` what will not be proven
+- `refusals` what it refuses, as faults, `promise` what may stay unproven
 - `load` a file to its plan, `faults` with their places, `messages` in a user's words
 - `plan` the plain values that leave this folder
 - `drawings` the names of the figures

@@ -21,7 +21,7 @@ from hknob_cli.engine.general.follow import (
     CYCLE_PARTS,
     FIELDS,
     KNOWN,
-    fate_of,
+    downgrade,
     follow_trial,
 )
 from hknob_cli.engine.general.interval import advance, pass_over
@@ -183,7 +183,7 @@ def enter(fate, period, before, head, trial, body, wall):
         if fate != CYCLE_PROVEN and status == DIFFERENT:
             fate = UNSETTLED
         if fate == CYCLE_PROVEN and status != PROVEN and status != NOT_CAPTURED:
-            fate = fate_of(status)
+            fate = downgrade(status)
         elif fate == CYCLE_PROVEN:
             copy_to(z, space.orbit)
             copy_to(ring, space.orbit_line)

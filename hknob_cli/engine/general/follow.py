@@ -131,7 +131,7 @@ def contracts_to_rest(trial, shown, before, head, body, wall):
     return True
 
 
-def fate_of(status):
+def downgrade(status):
     """Fate of a periodic motion by the ``status`` of a proof that has failed."""
     if status == ON_EDGE:
         return CYCLE_ON_EDGE
@@ -271,7 +271,7 @@ def follow_trial(trial, before, head, budget, body, wall):
                         return fate, since, space.reading[0], head, i
                     if status == ON_EDGE or status == AT_EVENT or status == EXPANDS or status == PARTS:
                         kept, kept_head, kept_before = since, head, space.reading[0]
-                        kept_fate = fate_of(status)
+                        kept_fate = downgrade(status)
                         copy_to(trial.keep, space.orbit)
                         copy_to(trial.keep_ring, space.orbit_line)
                         if status == PARTS and beside_orbit(trial, body) < BESIDE:

@@ -116,11 +116,8 @@ def direction(z, u, side, body):
 
 
 def keeps_sign(value, slope, bound, h):
-    """Whether a value stays above 0 over ``h``: ``slope`` is its rate now, ``bound`` is on its second derivative.
-
-    One that does not change at all may be 0: that of teeth which touch and press no more.
-    """
-    return value + min(slope, 0.0) * h - 0.5 * bound * h * h > 0.0 or (value >= 0.0 and slope == 0.0 and bound == 0.0)
+    """Whether a value stays above 0 over ``h``: ``slope`` is its rate now, ``bound`` is on its second derivative."""
+    return value + min(slope, 0.0) * h - 0.5 * bound * h * h > 0.0
 
 
 def seen(z, pad, side, h, pace, twist, body):

@@ -74,7 +74,7 @@ def test_a_corner_is_not_reached(exact: pytest.MonkeyPatch) -> None:
     # From its own slope, although both are equally far from the rest.
     assert free([19.5, 0.0], u, one, shown=19.0)[0] == AT_REST
     assert free([24.5, 0.0], u, one, shown=24.0)[0] == MOVING
-    # A rest beyond the corner is none.
+    # Beyond the corner there is no rest.
     assert free([21.5, 0.0], u + 2.75, one, shown=21.0)[0] == MOVING
 
 

@@ -115,7 +115,7 @@ def test_the_energy_of_a_difference_has_the_spring_of_its_slope(exact: None) -> 
         assert energy_apart(COGS, [2.0, 1.5, wait], 2.0, late) == pytest.approx(sqrt(5.25) + 2.0, rel=1e-15)
         quick = late._replace(lag=4.0)
         assert energy_apart(COGS, [2.0, 1.5, wait], 0.0, quick) == pytest.approx(sqrt(7.25) + 0.125, rel=1e-15)
-    # Where no springs hold it is none, and not below 0.
+    # Where no springs hold the knob there is no energy; it is 0, and not below.
     assert energy_apart([4.0, *COGS[1:]], [2.0, 1.5], 2.0, FIRM) == 0.0
     # Of other numbers than the first two it is as without cogging.
     behind = [0.0, 0.5, 0.75, -0.25]

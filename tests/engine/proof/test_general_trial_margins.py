@@ -30,7 +30,7 @@ from hknob_cli.engine.general.follow import (
     KNOWN,
     PATIENCE,
     PROOF_COST,
-    fate_of,
+    downgrade,
     follow_trial,
     rubs_alone,
 )
@@ -442,8 +442,8 @@ def test_friction_alone_is_what_a_shorter_step_is_for() -> None:
 
 
 def test_a_failed_proof_that_says_nothing_leaves_a_trial_open() -> None:
-    assert fate_of(EXPANDS) == CYCLE_EXPANDS
-    assert fate_of(DIFFERENT) == UNSETTLED
+    assert downgrade(EXPANDS) == CYCLE_EXPANDS
+    assert downgrade(DIFFERENT) == UNSETTLED
 
 
 def test_what_settles_once_settles_though_a_later_look_does_not_tell(trial: Callable[..., Trial]) -> None:

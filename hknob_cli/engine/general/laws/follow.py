@@ -1,6 +1,6 @@
 """Following one trial under a law until its fate is proven: as `general.follow`, by the law's memory as well."""
 
-from hknob_cli.engine.certificate import DIFFERENT, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
+from hknob_cli.engine.certificate import DIFFERENT, NEUTRAL, NOT_CAPTURED, PROVEN
 from hknob_cli.engine.follow import (
     CYCLE_CONTINUUM,
     CYCLE_ON_EDGE,
@@ -18,13 +18,11 @@ from hknob_cli.engine.general.cogging import gap_apart, has_gone
 from hknob_cli.engine.general.controller import depth_level, read_after
 from hknob_cli.engine.general.follow import (
     BESIDE,
-    CYCLE_AT_EVENT,
-    CYCLE_EXPANDS,
-    CYCLE_PARTS,
     FIELDS,
     KNOWN,
     PATIENCE,
     WAIT,
+    downgrade,
     has_period,
     may_be_captured,
 )
@@ -42,7 +40,7 @@ from hknob_cli.engine.general.laws.law import AT_SWITCH, CYCLE_AT_SWITCH, REST_N
 from hknob_cli.engine.general.laws.period import REPEATS, certify_with_law
 from hknob_cli.engine.general.laws.rest import settles_with_law
 from hknob_cli.engine.general.laws.step import advance_jittering_with_law, advance_with_law
-from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS
+from hknob_cli.engine.general.period_map import EXPANDS, PARTS
 from hknob_cli.engine.general.standstill import SETTLING
 from hknob_cli.engine.rest import AT_REST, REST_ON_EDGE, RINGS
 
@@ -56,17 +54,11 @@ def fate_of(status, law):
         return CYCLE_PROVEN
     if status == NEUTRAL:
         return CYCLE_CONTINUUM
-    if status == ON_EDGE:
-        return CYCLE_ON_EDGE
-    if status == AT_EVENT:
-        return CYCLE_AT_EVENT
     if status == AT_SWITCH:
         return CYCLE_AT_SWITCH
-    if status == PARTS:
-        return CYCLE_PARTS
-    if status == EXPANDS:
-        return CYCLE_EXPANDS if law.provable else law.unproven
-    return UNSETTLED
+    if status == EXPANDS and not law.provable:
+        return law.unproven
+    return downgrade(status)
 
 
 def captured_with_law(trial, body, law):
@@ -251,7 +243,6 @@ def follow_with_law(trial, budget, body, wall, law):
                         passed = periods_passed(samples - 1 - i, since, next_checkpoint - events - 1, gone)
                         i += passed * since
                         events += passed * gone
-                        since += passed * since
             events += 1
             if events == next_checkpoint:
                 next_checkpoint, begun = 2 * events, events
