@@ -216,7 +216,11 @@ def _client(address: str) -> Any:
 
 
 def _hush() -> None:
-    """Say nothing of what libraries log; what matters is said here. Some of their loggers have levels of their own."""
+    """Say nothing of what libraries log; what matters is said here. Some of their loggers have levels of their own.
+
+    Nor of a question that an interruption leaves unasked: the loop that would have asked it has ended.
+    """
+    warnings.filterwarnings("ignore", message="coroutine .* was never awaited", category=RuntimeWarning)
     mains = ("distributed", "tornado", "asyncio")
     for name in [*mains, *(name for name in logging.root.manager.loggerDict if name.startswith(mains))]:
         logging.getLogger(name).setLevel(logging.CRITICAL + 1)
