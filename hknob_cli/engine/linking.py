@@ -14,12 +14,17 @@ A tuple is handed over number by number, and an array in it as seven. The body, 
 loop are some two hundred, of which most functions use few. Parts of an entry are its own: nothing else can call them,
 so that the optimiser leaves out what they do not use. As functions that another module might call they took all, and
 the general loop under a controller spent nine tenths of its time on handing over.
+
+Numba finds the type of such a tuple in Python, number by number, at each call of an entry. That took longer than a
+short search does; here a tuple like one that was seen before has its type.
 """
 
 import gc
 from collections.abc import Callable
 from functools import cache
 from typing import Any, NamedTuple
+
+import numpy as np
 
 
 class Kinds(NamedTuple):
@@ -34,6 +39,18 @@ class Kinds(NamedTuple):
     pipeline: Any
 
 
+def likeness(value: Any) -> Any:
+    """What an argument of an entry has in common with all of its type: numbers below 2⁶³, arrays, laws, tuples."""
+    kind = type(value)
+    if kind is float:
+        return kind
+    if isinstance(value, tuple):
+        return kind, *map(likeness, value)
+    if kind is np.ndarray:
+        return value.dtype, value.ndim, value.flags.num
+    return value if callable(value) else kind
+
+
 @cache
 def kinds() -> Kinds:
     """The kinds of compiled functions."""
@@ -42,6 +59,8 @@ def kinds() -> Kinds:
     from numba.core.environment import lookup_environment
     from numba.core.registry import CPUDispatcher
     from numba.core.types import unliteral
+
+    types: dict[Any, Any] = {}  # by `likeness`
 
     class NotRun:
         """Numba's generator of code, where none is made."""
@@ -148,5 +167,13 @@ def kinds() -> Kinds:
         def __init__(self, function: Callable[..., Any], *, allocates: bool = False) -> None:
             options = {"nopython": True, "nogil": True, "no_cfunc_wrapper": True, "_nrt": allocates}
             super().__init__(function, targetoptions=options, pipeline_class=IntoEntry)
+
+        def typeof_pyval(self, val: Any) -> Any:
+            """The type of an argument that numba's C code does not know by itself."""
+            like = likeness(val)
+            found = types.get(like)
+            if found is None:
+                found = types[like] = super().typeof_pyval(val)
+            return found
 
     return Kinds(Part, Entry, IntoEntry)

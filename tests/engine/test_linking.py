@@ -2,13 +2,14 @@
 
 import gc
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
 import pytest
 
 from hknob_cli.engine.jit import GROUPS, compiled
 from hknob_cli.engine.kept_code import load_numba
-from hknob_cli.engine.linking import kinds
+from hknob_cli.engine.linking import kinds, likeness
 from tests.conftest import ROOT
 
 
@@ -67,6 +68,42 @@ def test_a_part_is_handed_only_what_it_uses() -> None:
     code = entry.inspect_llvm(entry.signatures[0])
     (taken,) = [line.count(" double ") for line in code.splitlines() if line.startswith("define") and "climb" in line]
     assert taken == 3  # x, and two of the sixty
+
+
+class Pair(NamedTuple):
+    one: Any
+    other: Any
+
+
+class Couple(NamedTuple):
+    one: Any
+    other: Any
+
+
+ARGUMENTS: list[Any] = [
+    *(0.5, 1, 2**62, True, None, np.float64(0.5), np.int32(7)),
+    *(np.zeros(3), np.zeros(0), np.zeros(3, dtype=np.int64), np.zeros(3, dtype=bool)),
+    *(np.zeros((2, 3)), np.zeros((2, 3)).T, np.zeros((4, 6))[::2, ::2], np.broadcast_to(0.0, (3,))),
+    *((), (0.5,), (0.5, 1), (0.5, (1, 0.5)), ((0.5, 1), 0.5)),
+]
+
+
+def test_arguments_that_are_alike_have_one_type_and_only_those() -> None:
+    """Numba's own `typeof` says which type a value has."""
+    values = [*ARGUMENTS, *(kind(value, 0.5) for kind in (Pair, Couple) for value in ARGUMENTS), Pair(0.5, Pair(1, 2))]
+    typeof = load_numba().typeof
+    for one in values:
+        for other in values:
+            assert (likeness(one) != likeness(other)) or typeof(one) == typeof(other), (one, other)
+    assert likeness(Pair(0.5, np.zeros(3))) == likeness(Pair(7.25, np.ones(8)))
+
+
+def test_a_tuple_of_other_types_is_taken_as_what_it_is() -> None:
+    load_numba()
+    entry = kinds().entry(lambda pair: pair.one / 2 + pair.other)
+    for _ in range(2):
+        assert [entry(Pair(1, 0.5)), entry(Pair(1, 2)), entry(Couple(3.0, 1.0))] == [1.0, 2.5, 2.5]
+    assert len(entry.signatures) == 3
 
 
 def test_references_are_counted_only_where_arrays_are_made() -> None:

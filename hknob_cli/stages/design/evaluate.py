@@ -1,6 +1,7 @@
 """Designs evaluated: limit cycles of all people, all designs of a remedy side by side, and the stiffness left."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from functools import cache
 from math import inf, isfinite, nan, pi
 from typing import Any
 
@@ -24,15 +25,14 @@ Rows = list[dict[str, Any]]
 class Evaluator:
     """Finds the rows of the people, as cells.parquet has them, and the stiffness, of designs."""
 
-    def __init__(self, plan: DesignPlan, *, jobs: int | None, notify: Callable[[str], None]) -> None:
+    def __init__(self, plan: DesignPlan, engines: Engines) -> None:
         self.plan = plan
         self.others = other_sets(plan)
         how = plan.perceive._replace(others=self.others)
         sweeps = [one.sweep._replace(perceive=how) for one in plan.candidates]
-        engines = Engines(notify=notify)
-        self._stages = [SweepStage(sweep, jobs=jobs, engines=engines) for sweep in sweeps]
-        self._singles = [SweepStage(one_start(sweep), jobs=jobs, engines=engines) for sweep in sweeps if plan.ranged]
-        self._presses = [SweepStage(_press(one), jobs=jobs, engines=engines) for one in plan.candidates]
+        self._stages = [SweepStage(sweep, jobs=1, engines=engines) for sweep in sweeps]
+        self._singles = [SweepStage(one_start(sweep), jobs=1, engines=engines) for sweep in sweeps if plan.ranged]
+        self._presses = [SweepStage(_press(one), jobs=1, engines=engines) for one in plan.candidates]
 
     def evaluate(self, some: Sequence[Design]) -> list[tuple[Rows, float]]:
         """Rows of all people, and the least stiffness for any of them (N·m/rad). Raises `ComputationError`."""
@@ -107,6 +107,17 @@ class Evaluator:
             (b - a) / (shallow - deep) - hand if shallow > deep else nan
             for (a, b), hand, shallow, deep in zip(pairs, held, middles[::2], middles[1::2], strict=True)
         ]
+
+
+@cache
+def _engines() -> Engines:
+    """Of all designs that a process evaluates."""
+    return Engines()
+
+
+def evaluate_one(plan: DesignPlan, design: Design) -> tuple[Rows, float]:
+    """What `Evaluator.evaluate` finds of one design, in a process of many. Raises `ComputationError`."""
+    return Evaluator(plan, _engines()).evaluate([design])[0]
 
 
 def _largest(levels: Sequence[float], row: dict[str, Any]) -> float:

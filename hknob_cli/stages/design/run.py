@@ -4,6 +4,7 @@ The columns of a search for a design: every design evaluated, whether it meets w
 """
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from math import inf, log, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -13,10 +14,13 @@ from hknob_cli.perception.published import doubts
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import RANGED, STEP_DB, Column, axis_column
 from hknob_cli.specs.design_plan import DesignPlan
-from hknob_cli.stages.design.evaluate import Evaluator, Rows
+from hknob_cli.spread.cores import usable_cores
+from hknob_cli.spread.forks import Forks
+from hknob_cli.stages.design.evaluate import Evaluator, Rows, evaluate_one
 from hknob_cli.stages.design.people import Judged, answer_if, judge, redrawn
 from hknob_cli.stages.design.space import Design, designs, present, relaxed, surface
 from hknob_cli.stages.lag_domain import has_domain
+from hknob_cli.stages.sweep.engines import Engines
 
 if TYPE_CHECKING:
     from hknob_cli.stages.kept import Kept
@@ -66,7 +70,9 @@ DOMAIN = Column(
     "in_domain", _FLAG, "", "whether the controller is within its stated domain for everyone; null without one"
 )
 
-BATCH = 12  # designs evaluated at once
+BATCH = 12  # designs evaluated before it is seen whether dearer ones are of use
+BATCH_OF_ALL = 48  # where all are evaluated: between two times that what was found can be kept
+FEW = 2000  # trials, which are over before another process has begun
 Progress = Callable[[int, int], None]
 
 
@@ -101,12 +107,27 @@ class DesignStage:
     def __init__(
         self, plan: DesignPlan, *, jobs: int | None = None, notify: Callable[[str], None] = lambda _text: None
     ) -> None:
-        """Make ready; as `SweepStage`."""
+        """Make ready; ``jobs`` processes, as many as cores if None, begun on entering; without, one.
+
+        ``notify`` is told of waits. The results do not depend on either.
+        """
         self.plan = plan
-        self._evaluator = Evaluator(plan, jobs=jobs, notify=notify)
+        trials = plan.size * plan.people * plan.candidates[0].sweep.starts.phases
+        self.jobs = 1 if trials < FEW else min(jobs or usable_cores(), plan.size)
+        self._forks = Forks(self.jobs)
+        self._evaluator = Evaluator(plan, Engines(notify=notify))
         self._there: Rows = []
         self._kept: Kept | None = None
         self._step = 0
+
+    def __enter__(self) -> "DesignStage":
+        """Begin the processes, before this one has threads."""
+        self._forks.__enter__()
+        return self
+
+    def __exit__(self, kind: object, *_: object) -> None:
+        """End the processes."""
+        self._forks.__exit__(kind)
 
     def run(self, progress: Progress = lambda _done, _total: None, kept: "Kept | None" = None) -> pa.Table:
         """Every design evaluated, in the order of cost; what is ``kept`` is not again. Raises `ComputationError`."""
@@ -116,8 +137,9 @@ class DesignStage:
         plain = surface(self.plan)
         self._evaluate(search, [present(self.plan)], progress)
         self._evaluate(search, plain, progress)
+        size = BATCH_OF_ALL if self.plan.exhaustive else BATCH
         while todo := self._todo(search, every):
-            self._evaluate(search, todo[:BATCH], progress)
+            self._evaluate(search, todo[:size], progress)
         chosen = _chosen(search)
         steps = relaxed(self.plan, chosen) if chosen else []
         self._evaluate(search, [one for _, one in steps], progress)
@@ -144,10 +166,17 @@ class DesignStage:
         there = self._kept.get(step) if self._kept else None
         if there and there[0] == numbers:
             return [(rows, stiffness) for rows, stiffness in there[1]]
-        found = self._evaluator.evaluate(new)
+        found = self._evaluated(new)
         if self._kept:
             self._kept.put(step, [numbers, [[rows, stiffness] for rows, stiffness in found]])
         return found
+
+    def _evaluated(self, new: list[Design]) -> list[tuple[Rows, float]]:
+        """What the evaluator finds, here or in the processes."""
+        if not self._forks.begun:
+            return self._evaluator.evaluate(new)
+        found = dict(self._forks.each(partial(evaluate_one, self.plan), new))
+        return [found[i] for i in range(len(new))]
 
     def _table(
         self, search: _Search, chosen: Design | None, steps: list[tuple[str, Design]], plain: list[Design]

@@ -37,7 +37,8 @@ class DesignWork(KeepingWork):
             if warning := domain_warning(one.sweep, one.name):
                 note(job, warning)
         stage = DesignStage(job.plan, jobs=job.jobs, notify=partial(note, job))
-        with keeping(job, self) as kept, progress_bar(job.plan.size, show=not job.quiet, what="designs") as progress:
+        bar = progress_bar(job.plan.size, show=not job.quiet, what="designs")
+        with stage, keeping(job, self) as kept, bar as progress:
             table = stage.run(progress, kept)
         if job.verbose:
             note(job, f"{table.num_rows} designs, {job.plan.people} people, {time.perf_counter() - begin:.2f} s")

@@ -1,6 +1,7 @@
 """The trial of remedies: every remedy over the grid, and at the cases what it costs in stiffness."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from functools import partial
 from math import nan
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ from hknob_cli.specs.cells import Cells
 from hknob_cli.specs.plan import PERSON
 from hknob_cli.specs.remedies_plan import RemediesPlan, Remedy
 from hknob_cli.spread.cores import usable_cores
+from hknob_cli.spread.forks import Forks
 from hknob_cli.stages.lag_domain import has_domain
 from hknob_cli.stages.remedies.columns import AXES, BUZZ, CASES, DOMAIN, KEYS, NEEDS, TUNED, level_columns, louder
 from hknob_cli.stages.remedies.trial import Row, Rows, case_rows, grid_rows, tuned_rows, ways
@@ -19,8 +21,6 @@ from hknob_cli.stages.remedies.trial import Row, Rows, case_rows, grid_rows, tun
 FEW = 2000  # trials, which are over before another process has begun
 
 if TYPE_CHECKING:
-    from concurrent.futures import ProcessPoolExecutor
-
     from hknob_cli.stages.kept import Kept
 
 Progress = Callable[[int, int], None]
@@ -44,7 +44,7 @@ class RemediesStage:
         ]
         trials = sum(len(Cells(one.grid.axes)) * one.grid.starts.phases for some in every for one in some)
         self.jobs = 1 if trials < FEW else min(jobs or usable_cores(), len(self.tasks))
-        self._pool: ProcessPoolExecutor | None = None
+        self._forks = Forks(self.jobs)
 
     def run(
         self, progress: Progress = lambda _done, _total: None, kept: "Kept | None" = None
@@ -53,10 +53,10 @@ class RemediesStage:
         there = [kept.get(number) if kept else None for number in range(len(self.tasks))]
         results: dict[int, Rows] = {number: rows for number, rows in enumerate(there) if rows is not None}
         left = [number for number in range(len(self.tasks)) if number not in results]
-        for number, rows in self._results(left):
-            results[number] = rows
+        for i, rows in self._forks.each(partial(_rows, self.plan), [self.tasks[number] for number in left]):
+            results[left[i]] = rows
             if kept:
-                kept.put(number, rows)
+                kept.put(left[i], rows)
             progress(len(results), len(self.tasks))
         each: dict[tuple[int, int | None], list[Rows]] = {}
         for number, (i, case, _) in enumerate(self.tasks):
@@ -66,41 +66,12 @@ class RemediesStage:
 
     def __enter__(self) -> "RemediesStage":
         """Begin the processes, before this one has threads."""
-        if self.jobs == 1:
-            return self
-        from concurrent.futures import ProcessPoolExecutor
-        from multiprocessing import get_context
-
-        from hknob_cli.spread.processes import begin_worker, beginning
-
-        # Forked, a process has all libraries loaded.
-        self._pool = ProcessPoolExecutor(self.jobs, get_context("fork"), begin_worker)
-        with beginning():
-            first = self._pool.submit(int)
-        first.result()
+        self._forks.__enter__()
         return self
 
     def __exit__(self, kind: object, *_: object) -> None:
-        """End the processes: what has not begun never does, and after an interruption neither does what has."""
-        if not self._pool:
-            return
-        from hknob_cli.spread.processes import end_children
-
-        if kind:
-            end_children()
-        self._pool.shutdown(wait=True, cancel_futures=True)
-        self._pool = None
-
-    def _results(self, numbers: list[int]) -> Iterator[tuple[int, Rows]]:
-        """Rows of the tasks of these numbers, with the number, as they are done; by processes where there are any."""
-        if not self._pool:
-            yield from ((number, _rows(self.plan, self.tasks[number])) for number in numbers)
-            return
-        from concurrent.futures import as_completed
-
-        coming = {self._pool.submit(_rows, self.plan, self.tasks[number]): number for number in numbers}
-        for future in as_completed(coming):
-            yield coming[future], future.result()
+        """End the processes."""
+        self._forks.__exit__(kind)
 
     def _grid(self, found: Found) -> pa.Table:
         remedies = self.plan.remedies

@@ -10,6 +10,7 @@ from hknob_cli.specs.design_plan import Limit
 from hknob_cli.stages.design.people import Judged, answer_if, judge, meets, redrawn
 from hknob_cli.stages.design.run import DesignStage
 from hknob_cli.stages.design.space import Design
+from hknob_cli.stages.sweep.engines import Engines
 from tests.designs import DESIGN, planned
 
 ABOVE = Limit(most_db=0.0, people=0.0, above_present=True)
@@ -101,7 +102,7 @@ def test_a_cycle_without_a_level_beside_one_with_a_level_is_not_known() -> None:
     from hknob_cli.stages.sweep.perceived import Perceived
 
     plan = planned()
-    evaluator = Evaluator(plan, jobs=1, notify=lambda _text: None)
+    evaluator = Evaluator(plan, Engines())
     scene = plan.candidates[0].sweep.scene
     cycle = Attractor(outcome=Outcome.CYCLE, reason=Reason.NONE, trials=1)
     cell = {"sample_rate_hz": 500.0, "counts_per_rev": 360, "person": 1}

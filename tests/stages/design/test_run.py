@@ -12,6 +12,7 @@ from hknob_cli.stages.design.evaluate import Evaluator, Rows, _pushes
 from hknob_cli.stages.design.people import above, exceeded_by, judge, level
 from hknob_cli.stages.design.run import DesignStage
 from hknob_cli.stages.design.space import Design, designs, present, relaxed, surface
+from hknob_cli.stages.sweep.engines import Engines
 from tests.designs import DESIGN, planned
 
 Found = dict[Design, tuple[Rows, float]]
@@ -22,7 +23,7 @@ def everything() -> dict[tuple[int, tuple[Any, ...]], tuple[Rows, float]]:
     """People's rows and stiffness of every design, by remedy and values."""
     plan = planned()
     every = designs(plan)
-    found = Evaluator(plan, jobs=1, notify=lambda _text: None).evaluate(every)
+    found = Evaluator(plan, Engines()).evaluate(every)
     return {(one.candidate, one.values): rows for one, rows in zip(every, found, strict=True)}
 
 
@@ -43,6 +44,20 @@ def searched(plan: DesignPlan, everything: Any) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = stage.run().to_pylist()
     assert stage._evaluator.asked == len(rows)  # nothing is evaluated twice
     return rows
+
+
+@pytest.mark.parametrize("exhaustive", [False, True])
+def test_processes_find_what_one_finds(monkeypatch: pytest.MonkeyPatch, exhaustive: bool) -> None:
+    monkeypatch.setattr("hknob_cli.stages.design.run.FEW", 0)
+    plan = planned()._replace(exhaustive=exhaustive)
+    alone = DesignStage(plan, jobs=1).run()
+    done: list[int] = []
+    with DesignStage(plan, jobs=2) as stage:
+        assert stage.jobs == 2
+        together = stage.run(lambda some, _all: done.append(some))
+    assert together.equals(alone)
+    assert done == sorted(done)
+    assert done[-1] == len(alone)
 
 
 def priced(plan: DesignPlan, random: Random) -> DesignPlan:

@@ -1,0 +1,60 @@
+"""Processes for the tasks of one stage: forked with all libraries loaded, each does one task at a time."""
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    from concurrent.futures import ProcessPoolExecutor
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+
+class Forks:
+    """``jobs`` processes, begun on entering; without that, and of one, tasks are done in this process."""
+
+    def __init__(self, jobs: int) -> None:
+        self.jobs = jobs
+        self._pool: ProcessPoolExecutor | None = None
+
+    def __enter__(self) -> "Forks":
+        """Begin the processes, before this one has threads."""
+        if self.jobs == 1:
+            return self
+        from concurrent.futures import ProcessPoolExecutor
+        from multiprocessing import get_context
+
+        from hknob_cli.spread.processes import begin_worker, beginning
+
+        self._pool = ProcessPoolExecutor(self.jobs, get_context("fork"), begin_worker)
+        with beginning():
+            first = self._pool.submit(int)
+        first.result()
+        return self
+
+    def __exit__(self, kind: object, *_: object) -> None:
+        """End the processes: what has not begun never does, and after an interruption neither does what has."""
+        if not self._pool:
+            return
+        from hknob_cli.spread.processes import end_children
+
+        if kind:
+            end_children()
+        self._pool.shutdown(wait=True, cancel_futures=True)
+        self._pool = None
+
+    @property
+    def begun(self) -> bool:
+        """Whether there are processes."""
+        return self._pool is not None
+
+    def each(self, do: Callable[[T], R], items: Sequence[T]) -> Iterator[tuple[int, R]]:
+        """What ``do``, which can be pickled, makes of each item: its number and that, as they are done."""
+        if not self._pool:
+            yield from ((number, do(item)) for number, item in enumerate(items))
+            return
+        from concurrent.futures import as_completed
+
+        coming = {self._pool.submit(do, item): number for number, item in enumerate(items)}
+        for future in as_completed(coming):
+            yield coming[future], future.result()
