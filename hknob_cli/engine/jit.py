@@ -53,6 +53,7 @@ GENERAL = (
     "general.ensemble",
     "general.trace",
     "general.clock_cells",
+    "orbit.leak",
 )
 # The general loop under a controller; the law itself is compiled by itself (`compiled_law`).
 LAWS = (

@@ -3,8 +3,9 @@
 The work of the wall by when it is done, of a motion in arrays; what that means: `engine.orbit.leak`.
 """
 
+from collections.abc import Callable
 from math import nan, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -34,6 +35,7 @@ from hknob_cli.scene.general_knob import GeneralKnob
 RATTLE = 4096  # samples over which a motion that does not repeat is measured
 _MOVING = (Reason.NO_REPEAT, Reason.TOO_SLOW, Reason.NO_STIFFNESS, Reason.NO_DAMPING)
 MOST_WORK = 400_000_000  # pieces times harmonics of an orbit
+AT_ONCE = 512  # short pieces whose numbers the processor's own memory holds
 SHORT = 1.0  # time in units of the fastest mode, up to which ten nodes integrate a piece to rounding
 
 
@@ -45,7 +47,16 @@ class Leak(NamedTuple):
     staircase: float
 
 
-def split_leak(x: Array, torque: Array, *, edge: float, kappa: float, offset: float, analog: bool = False) -> Leak:
+def split_leak(
+    x: Array,
+    torque: Array,
+    *,
+    edge: float,
+    kappa: float,
+    offset: float,
+    analog: bool = False,
+    compiled: Callable[..., Any] | None = None,
+) -> Leak:
     """Split the work of the wall.
 
     Args:
@@ -55,8 +66,12 @@ def split_leak(x: Array, torque: Array, *, edge: float, kappa: float, offset: fl
         kappa: Stiffness of the wall, K T^2 / J.
         offset: Angle that an encoder level reports, less the level, counts.
         analog: Whether the sensor has no counts.
+        compiled: `find_leak`, compiled; the interpreter is quicker on lists.
     """
-    return Leak(*find_leak(x.tolist(), torque.tolist(), len(torque), 0.0, edge, kappa, offset, analog))
+    numbers = len(torque), 0.0, edge, kappa, offset, analog
+    if compiled:
+        return Leak(*compiled(np.ascontiguousarray(x), torque, *numbers))
+    return Leak(*find_leak(x.tolist(), torque.tolist(), *numbers))
 
 
 class Turns(NamedTuple):
@@ -194,7 +209,10 @@ class GeneralMeasurer:
     def _leak(self, x: Array, commands: Array) -> Leak:
         wall = self.knob.wall
         edge = 0.0 if wall.sense > 0.0 or wall.analog > 0.0 else -1.0
-        return split_leak(x, commands, edge=edge, kappa=wall.kappa, offset=wall.offset, analog=wall.analog > 0.0)
+        analog, compiled = wall.analog > 0.0, self.engine.compiled_leak
+        return split_leak(
+            x, commands, edge=edge, kappa=wall.kappa, offset=wall.offset, analog=analog, compiled=compiled
+        )
 
     def _few_states(self, chart: PeriodSegments, reference: float) -> Totals:
         """Second order: whole holds by their forms, pieces between events by quadrature."""
@@ -248,14 +266,16 @@ class LawMeasurer(GeneralMeasurer):
 
 def _quadrature(start: Array, spans: Array, alpha: float, beta: float) -> Array:
     """Integrals of x, x² and v² (3, m) over short pieces of lengths ``spans`` (m,) from (x, v, drive), (3, m)."""
-    x, v, drive = start
-    y = drive - beta * x
-    nodes, weights = np.array(RULE).T[:, :, None]
-    s, g, f = _short_coefficients(alpha, beta, 0.5 * spans * (nodes + 1.0))
-    at, pace, part = x + (s * v + g * y), f * v + s * y, 0.5 * spans * weights
     total = np.zeros((3, len(spans)))
-    for node in np.stack([part * at, part * at * at, part * pace * pace], axis=1):
-        total += node
+    nodes, weights = np.array(RULE).T[:, :, None]
+    for first in range(0, len(spans), AT_ONCE):
+        some = slice(first, first + AT_ONCE)
+        x, v, drive = start[:, some]
+        y = drive - beta * x
+        s, g, f = _short_coefficients(alpha, beta, 0.5 * spans[some] * (nodes + 1.0))
+        at, pace, part = x + (s * v + g * y), f * v + s * y, 0.5 * spans[some] * weights
+        for node in np.stack([part * at, part * at * at, part * pace * pace], axis=1):
+            total[:, some] += node
     return total
 
 

@@ -79,9 +79,30 @@ def has_period(period, rows, table):
 
 
 def rubs_alone(ring, body, wall):
-    """Whether friction is all that a scene of angle and speed has more than a plain one."""
-    alone = body.order == 2 and len(ring) == 0 and body.friction > 0.0
-    return alone and wall.hysteresis == 0.0 and not has_cogs(body.cogs)
+    """Whether a scene of angle and speed has no more than a plain one but friction, or a torque over the angle."""
+    alone = body.order == 2 and len(ring) == 0 and body.friction > 0.0 and not has_cogs(body.cogs)
+    return alone and wall.hysteresis == 0.0 and wall.damping == 0.0 and wall.analog == 0.0 and not jitters(wall.clock)
+
+
+def rub_on(x, v, shown, most, since, limit, trial, body, wall):
+    """Move a trial that `rubs_alone` on, until a sample is to be looked at: ``(x, v, reading, samples)``.
+
+    It moves over the interval after a sample that has been looked at, and over ``most`` more, as long as each begins at
+    the same level, within ``limit`` and beside no proven orbit. Readings go to the trail from ``since`` on; the last
+    one is returned, and how many more intervals it were.
+    """
+    trail = trial.space.trail
+    level, u = depth_level(shown, wall), command(shown, shown, wall)
+    x, v = step_with_friction(x, v, u, 1.0, body.s2, body.g2, body.f2, body)
+    for i in range(most):
+        now = read(x, wall)
+        if depth_level(now, wall) != level or not -limit < x < limit or may_be_captured(x, trial, body):
+            return x, v, shown, i
+        shown = now
+        if since + i < len(trail):
+            trail[since + i] = shown
+        x, v = step_with_friction(x, v, u, 1.0, body.s2, body.g2, body.f2, body)
+    return x, v, shown, most
 
 
 def closes_in(trial, before, head, period, gap, body, wall):
@@ -216,7 +237,9 @@ def follow_trial(trial, before, head, budget, body, wall):
     level = depth_level(shown, wall)
     run, next_test = 0, FIRST_REST_TEST
     left_alone, wait = 0, 0
-    for i in range(samples):
+    rubs = rubs_alone(ring, body, wall)
+    i = 0
+    while i < samples:
         x = z[0]
         if body.halt[0] > 0.0:
             return UNSETTLED, 0, before, head, i
@@ -295,14 +318,15 @@ def follow_trial(trial, before, head, budget, body, wall):
         if since < len(space.trail):
             space.trail[since] = shown
         since += 1
-        if jitters(wall.clock):
+        if rubs:
+            most = min(samples - i, next_test - run) - 1
+            z[0], z[1], shown, more = rub_on(x, z[1], shown, most, since, budget.limit, trial, body, wall)
+            before, since, run, i = shown, since + more, run + more, i + more
+        elif jitters(wall.clock):
             before, head = advance_jittering(z, before, ring, head, body, wall, space.pad)
-        elif rubs_alone(ring, body, wall):
-            u = command(shown, before, wall)
-            z[0], z[1] = step_with_friction(x, z[1], u, 1.0, body.s2, body.g2, body.f2, body)
-            before = shown
         else:
             before, head = advance(z, before, ring, head, body, wall, space.pad)
+        i += 1
     if not budget.final:  # what has repeated without proof may yet be left, or proven
         return (UNSETTLED if body.damped else UNDAMPED), 0, before, head, samples
     if kept > 0:

@@ -143,6 +143,7 @@ class GeneralEngine(Runner):
         self._run_trials = self._function("general.run_trials", ensemble.run_trials)
         self._chart = self._function("general.chart_period", trace.chart_period)
         self._part = self._function("general.parting_rate", parting.parting_rate)
+        self.compiled_leak = self._functions["orbit.find_leak"] if self._functions else None
 
     torques = staticmethod(torque_range)  # what is commanded far out
 
