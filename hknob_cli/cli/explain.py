@@ -1,6 +1,7 @@
 """``hknob explain``: what a spec describes, in words; computes no results and writes nothing."""
 
 import json
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -50,7 +51,7 @@ def _explained(path: Path, sets: tuple[str, ...]) -> "Explained":
     plan = load(path, sets)
     kind = str(plan.values["kind"])
     try:
-        return explain_stage(kind, plan, f"hknob {kind} {as_typed(path)}")
+        return explain_stage(kind, plan, f"hknob {kind} {as_typed(path)}{_set(sets)}")
     except ArithmeticError:
         raise ComputationError(f"{path}: the scene's numbers overflow") from None
 
@@ -69,7 +70,12 @@ def _pipeline(path: Path, sets: tuple[str, ...]) -> "Explained":
     answer = (
         f"{counted(len(plan.stages), 'stage')} run in the order of their inputs, each only if something has changed."
     )
-    return Explained("pipeline", plan.name, answer, {"stages": lines}, [], f"hknob run {as_typed(path)}")
+    return Explained("pipeline", plan.name, answer, {"stages": lines}, [], f"hknob run {as_typed(path)}{_set(sets)}")
+
+
+def _set(sets: tuple[str, ...]) -> str:
+    """The same settings, for the command that runs what is explained."""
+    return "".join(f" --set {shlex.quote(one)}" for one in sets)
 
 
 def _ledger(path: Path) -> "Explained":

@@ -138,6 +138,12 @@ def _late_in_a_detent(scene: Scene, cell: Cell) -> float | None:
     return there * _delay(scene, cell) if there else None
 
 
+def _cogging_stiffness(scene: Scene, _cell: Cell) -> float | None:
+    """Of a triangle wave: its torque over a quarter of the way from one place of rest to the next."""
+    part = scene.cogging
+    return 2.0 * part.torque * part.per_revolution / pi if part and part.torque else None
+
+
 def _lag(scene: Scene) -> float | None:
     """The time constant of a bounded lag, s."""
     control = scene.controller
@@ -208,6 +214,8 @@ _RULES = (
           "and hand, without sampling"),
     _Rule("a late detent drives", "N*m*s/rad", (RATE, "detents.", "actuator.", "motor."), _late_in_a_detent,
           "its stiffness times the delay; above b the knob swings in it"),
+    _Rule("stiffness of cogging", "N*m/rad", ("cogging.",), _cogging_stiffness, "about a place of rest, at the motor's "
+          "shaft"),
     _Rule("least keep", "1", (*_BODY, "controller."), _least_keep, "r = J/(b time_constant); with less the bounded lag "
           "may make the buzz larger"),
     _Rule("best keep", "1", (*_BODY, "controller."), _best_keep, "2 r / (1 + r) (docs/reference/controllers.md)"),

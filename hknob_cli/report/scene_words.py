@@ -166,7 +166,9 @@ class _Words:
             yield f"Motor: {_WINDINGS[motor.winding]}, {', '.join(found)}."
         if torque := self._value("cogging.torque", "N*m"):
             places = self._value("cogging.per_revolution", "places of rest in a turn")
-            yield f"Cogging: up to {torque} toward {places} of the motor, a triangle wave."
+            centre = self._value("cogging.centre", "rad")
+            at = f", one of them at {centre}" if centre else ""
+            yield f"Cogging: up to {torque} toward {places} of the motor{at}; a triangle wave."
         if self.scene.gear:
             yield f"Gear: {self._gear()}; encoder and actuator are on the motor's shaft."
         if self.scene.eddy_brake:

@@ -34,10 +34,16 @@ def not_proven(plan: SweepPlan) -> list[str]:
     return list(dict.fromkeys(text for scene in scenes for text in _of_scene(scene, plan.starts)))
 
 
+def follows_all(scene: Scene, starts: Starts) -> bool:
+    """Whether all the starts are followed that a sweep is asked for, or some of them."""
+    kind = kind_of_starts(starts)
+    return kind not in ("one", "ranges") or engine_of(scene, STARTS[kind]) in SETS or not scene.sampled
+
+
 def _of_scene(scene: Scene, starts: Starts) -> Iterator[str]:
     kind, parts = kind_of_starts(starts), parts_of(scene)
     engine = engine_of(scene, STARTS[kind])
-    if kind in ("one", "ranges") and engine not in SETS and scene.sampled:
+    if not follows_all(scene, starts):
         what = "phases of the start" if kind == "one" else "starts"
         yield f"some {what} will be followed, not all: sets of states are not followed with {_hindrance(parts, kind)}"
     verdict, part = verdict_of(parts, engine)

@@ -39,7 +39,7 @@ def _sweep(plan: SweepPlan) -> Found:
     about = {
         **_about(plan.scene, plan.axes),
         "grid": grid_lines(plan),
-        "starts": starts_lines(plan.starts, sampled=plan.scene.sampled),
+        "starts": starts_lines(plan.starts, plan.scene),
         "not proven": [f"{text[0].upper()}{text[1:]}." for text in not_proven(plan)],
         "ignored": _ignored(plan),
         "asked as well": _asked(plan),
@@ -88,7 +88,7 @@ def _remedies(plan: Any) -> Found:
         "hands": [f"{', '.join(plan.hands[:_MOST_NAMES])}{_and_more(len(plan.hands))}."],
         "cases": [f"{name}: {short(rate)} Hz, {counts} counts per revolution." for name, rate, counts in plan.cases],
         "remedies": [_remedy(one, plan.reference) for one in plan.remedies],
-        "starts": starts_lines(sweep.starts, sampled=sweep.scene.sampled),
+        "starts": starts_lines(sweep.starts, sweep.scene),
         "not proven": _not_proven_of([one.grid for one in plan.remedies]),
         "ignored": _unpushed(sweep.scene, sweep.axes),
     }
@@ -126,7 +126,7 @@ def _design(plan: Any) -> Found:
         "choices": [_choice(one) for one in plan.choices],
         "remedies": [f"{one.name} (cost {short(one.cost)})." for one in plan.candidates],
         "limits": [f"{one[0].upper()}{one[1:]}." for one in limits],
-        "starts": starts_lines(sweep.starts, sampled=sweep.scene.sampled),
+        "starts": starts_lines(sweep.starts, sweep.scene),
         "not proven": _not_proven_of([one.sweep for one in plan.candidates]),
         "ignored": _unpushed(sweep.scene, sweep.axes),
     }

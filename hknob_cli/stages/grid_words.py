@@ -6,6 +6,7 @@ from hknob_cli.report.scene_words import range_of
 from hknob_cli.report.table import labels, short
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Scene, Starts
+from hknob_cli.specs.promise import follows_all
 from hknob_cli.stages.work import counted
 
 _AXES = {RATE: "sample rates", COUNTS: "encoder resolutions", PERSON: "hands", GRIP: "grips"}
@@ -45,22 +46,23 @@ def grid_lines(plan: Any) -> list[str]:
     return lines
 
 
-def starts_lines(starts: Starts, *, sampled: bool) -> list[str]:
+def starts_lines(starts: Starts, scene: Scene) -> list[str]:
     """Which starts are followed, and what would be complete."""
+    every = follows_all(scene, starts)
     if starts.anywhere:
         return ["Every state at a sample, however far. Results say in which cells the list of cycles is complete."]
     if starts.span:
         low, high = labels([1e3 * angle for angle in starts.span[:2]])
         slowest, fastest = labels(list(starts.span[2:]))
-        return [
-            f"Every state from {low} to {high} mrad and {slowest} to {fastest} rad/s at a sample. Results say in which "
-            "cells the list of cycles is proven to be complete."
-        ]
+        where = f"from {low} to {high} mrad and {slowest} to {fastest} rad/s at a sample."
+        if not every:
+            return [f"Some states {where} Others may end elsewhere."]
+        return [f"Every state {where} Results say in which cells the list of cycles is proven to be complete."]
     where = f"{short(1e3 * starts.angle)} mrad{', inside the wall' if starts.angle < 0.0 else ''}"
     start = f"One start: {where}, {f'at {short(starts.velocity)} rad/s' if starts.velocity else 'at rest'}"
-    if not sampled:
+    if not scene.sampled:
         return [f"{start}. Other starts may end elsewhere."]
-    if starts.sampled:
+    if starts.sampled or not every:
         phases = f"at {counted(starts.phases, 'phase')} of the sample clock"
         return [f"{start}, {phases}. Other phases and starts may end elsewhere."]
     return [

@@ -179,3 +179,30 @@ def test_as_a_user_runs_it(hknob, tmp_path: Path) -> None:
     assert wrong.returncode == 2
     assert "must be >= 0" in wrong.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["spec.yaml"]
+
+
+def test_settings_are_repeated_in_what_is_next(tmp_path: Path) -> None:
+    (tmp_path / "spec.yaml").write_text(SPEC)
+    found = _explained(tmp_path / "spec.yaml", ("scene.wall.stiffness=0.3", "grid.counts_per_rev=[512, 1024]"))
+    assert found.next.endswith("spec.yaml --set scene.wall.stiffness=0.3 --set 'grid.counts_per_rev=[512, 1024]'")
+    assert _explained(tmp_path / "spec.yaml", ()).next.endswith("spec.yaml")
+
+
+@pytest.mark.parametrize(
+    ("starts", "every", "some"),
+    [
+        ("{angle: 0.02}", "every phase of the sample clock. Results say in which cells", "64 phases of the sample"),
+        ("{angle: [-0.05, 0.05], velocity: [-5, 5]}", "Every state from -50 to 50 mrad", "Some states from -50 to 50"),
+    ],
+)
+def test_starts_that_are_not_all_followed_are_said_to_be_some(
+    starts: str, every: str, some: str, tmp_path: Path
+) -> None:
+    text = SPEC[: SPEC.index("starts:")] + f"starts: {starts}\n"
+    (tmp_path / "spec.yaml").write_text(text)
+    whole = " ".join(explained_text(_explained(tmp_path / "spec.yaml", ())).split())
+    assert every in whole
+    assert some not in whole
+    jitters = " ".join(explained_text(_explained(tmp_path / "spec.yaml", ("scene.clock={jitter: 0.1}",))).split())
+    assert some in jitters
+    assert "Results say" not in jitters

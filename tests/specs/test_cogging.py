@@ -1,11 +1,13 @@
 """Cogging in specs: what it goes with, faults with their place, its words, and what a sweep's files have."""
 
 from copy import deepcopy
+from math import pi
 from typing import Any
 
 import pytest
 
 from hknob_cli.errors import ComputationError, SpecError
+from hknob_cli.report.derived_numbers import derived_numbers
 from hknob_cli.report.scene_words import scene_sentences
 from hknob_cli.specs.bench import merged
 from hknob_cli.specs.capabilities import parts_of
@@ -112,8 +114,12 @@ def test_files_have_the_swing_of_what_does_not_repeat(starts: str) -> None:
 
 def test_words_of_a_scene() -> None:
     plan = planned()
-    said = "Cogging: up to 0.001 N*m toward 84 places of rest in a turn of the motor, a triangle wave."
-    assert said in list(scene_sentences(plan.scene, plan.axes))
+    begun = "Cogging: up to 0.001 N*m toward 84 places of rest in a turn of the motor"
+    assert f"{begun}, one of them at 0.0374 rad; a triangle wave." in list(scene_sentences(plan.scene, plan.axes))
+    central = planned(of_cogging(centre=0))
+    assert f"{begun}; a triangle wave." in list(scene_sentences(central.scene, central.axes))
+    (stiff,) = [one for one in derived_numbers(plan.scene, plan.axes) if one.name == "stiffness of cogging"]
+    assert stiff.least == stiff.largest == pytest.approx(0.001 / (2.0 * pi / 84 / 4))
 
 
 def test_a_slope_too_steep_for_numbers_is_said_without_a_warning() -> None:
