@@ -90,3 +90,18 @@ def test_what_matters_counts_a_cell_with_several_cycles_once(tmp_path: Path, mon
     path = tmp_path / "a.png"
     assert what_matters.draw_by(table, "method", ["rate"], title="", path=path, stage="dfa", points=None)
     assert drawn["sampled"]["p2p_rad"].tolist() == [3.0, 3.0]
+
+
+def test_what_does_not_repeat_has_tables_of_its_own() -> None:
+    """A clock that jitters has no cycles; a cell without jitter beside it has one, and no swing."""
+    jitters = "scene.clock={jitter: 0.05, seed: 1}", "starts.phases=1", "scene.bias.torque=0.001"
+    text = said(*jitters, "grid.sample_rate_hz=[1000, 2154]", "grid.counts_per_rev=[256, 2048]")
+    assert "peak to peak" not in text
+    titles = [line for line in text.splitlines() if "mrad" in line and line.endswith("proven)")]
+    assert [line.split(",")[0] for line in titles] == ["mean swing", "swing at most"]
+    mean, most = ([line.split()[1:] for line in text.partition(one)[2].splitlines()[3:5]] for one in titles)
+    for some, least_upper in zip(mean, most, strict=True):
+        assert all(0.0 < float(one.rstrip("?")) < float(other) for one, other in zip(some, least_upper, strict=True))
+    listed = said(*jitters, "grid.sample_rate_hz=1000", "grid.counts_per_rev=1024", "grid.clock.jitter=[0, 0.05]")
+    assert "mean swing mrad" in listed
+    assert "at most mrad" in listed

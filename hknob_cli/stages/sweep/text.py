@@ -20,6 +20,12 @@ from hknob_cli.stages.sweep.completeness_text import random_trials
 Row = dict[str, Any]
 MOST_ORBITS = 20  # lines
 _ALMOST = 1.0 - 1e-9  # of the starts, all
+# Columns of what moves without repeating: their titles, and their heads in a list.
+_SWINGS = (
+    ("rattle_max_rad", "swing that does not repeat, mrad (one trial each, not proven)", "swing mrad"),
+    ("jitter_max_rad", "mean swing, mrad, which does not repeat (one trial each, not proven)", "mean swing mrad"),
+    ("clock_bound_rad", "swing at most, mrad, whatever the intervals are (proven)", "at most mrad"),
+)
 
 
 def describe_one(orbits: list[Row]) -> list[Row]:
@@ -183,7 +189,8 @@ def table_text(summary: dict[str, Any], axes: list[str]) -> str:
         return "\n".join(lines)
     if len(wide) == 2 and fits(rows, wide):
         for column, scale, title in _measures(rows):
-            lines += ["", *matrix(rows, wide, column, scale=scale, title=title, mark=_mark)]
+            mark = _mark if column != "clock_bound_rad" else lambda _row: ""
+            lines += ["", *matrix(rows, wide, column, scale=scale, title=title, mark=mark)]
         for level in perceived_levels(rows):
             lines += ["", *matrix(rows, wide, level.column, scale=1.0, title=level.title)]
     elif "ends" in summary:
@@ -199,8 +206,23 @@ def table_text(summary: dict[str, Any], axes: list[str]) -> str:
     return "\n".join(lines)
 
 
+def _swings(rows: list[dict[str, Any]]) -> list[tuple[str, str, str]]:
+    """Columns of what does not repeat that some cell has, with their titles and heads."""
+    return [one for one in _SWINGS if any(row.get(one[0]) is not None for row in rows)]
+
+
 def _measures(rows: list[dict[str, Any]]) -> list[tuple[str, float, str]]:
-    """Columns to show, their scales and titles: of the largest cycle of a cell, and the means where they are others."""
+    """Columns to show, their scales and titles.
+
+    Of the largest cycle of a cell, the means where they are others, and what moves without repeating.
+    """
+    swings = [(column, 1e3, title) for column, title, _ in _swings(rows)]
+    if swings and all(row["p2p_max_rad"] is None for row in rows):
+        return swings
+    return [*_of_cycles(rows), *swings]
+
+
+def _of_cycles(rows: list[dict[str, Any]]) -> list[tuple[str, float, str]]:
     size, pitch = "peak to peak, mrad (mean peak minus mean trough)", "frequency, Hz"
     if not differs(rows):
         return [("p2p_max_rad", 1e3, size), ("frequency_at_max_hz", 1.0, pitch)]
@@ -255,10 +277,11 @@ def _notes(summary: dict[str, Any]) -> list[str]:
 
 
 def _list(rows: list[dict[str, Any]], axes: list[str], levels: list[Level]) -> list[str]:
-    sides = ("", "mean ") if differs(rows) else ("",)
+    sides, swings = ("", "mean ") if differs(rows) else ("",), _swings(rows)
     heads = [
         *axes,
         *(f"{side}{name}" for name in ("p2p mrad", "frequency Hz") for side in sides),
+        *(head for _, _, head in swings),
         *(["at rest %"] if any(row["at_rest_fraction"] for row in rows) else []),
         "orbits",
         *(level.head for level in levels),
@@ -272,6 +295,7 @@ def _list(rows: list[dict[str, Any]], axes: list[str], levels: list[Level]) -> l
                 for names, scale in ((("p2p_max_rad", "p2p_rad"), 1e3), (("frequency_at_max_hz", "frequency_hz"), 1.0))
                 for name in names[: len(sides)]
             ),
+            *(short(None if row[name] is None else 1e3 * row[name]) for name, _, _ in swings),
             *([short(100.0 * row["at_rest_fraction"])] if "at rest %" in heads else []),
             str(row["orbit_count"]),
             *(short(row[level.column]) for level in levels),
