@@ -35,7 +35,7 @@ def explore(
             "--out",
             "-o",
             metavar="FILE",
-            help="The page to write.  \\[default: results/NAME-explore.html]",
+            help="The page to write.  [default: results/NAME-explore.html]",
             show_default=False,
         ),
     ] = None,
@@ -44,7 +44,7 @@ def explore(
         bool | None,
         typer.Option(
             "--open/--no-open",
-            help="Open the page in a browser.  \\[default: only at a terminal with a screen]",
+            help="Open the page in a browser.  [default: only at a terminal with a screen]",
             show_default=False,
         ),
     ] = None,

@@ -60,7 +60,7 @@ def new(
             "--out",
             "-o",
             metavar="FILE",
-            help="File to write, which must not exist.  \\[default: standard output]",
+            help="File to write, which must not exist.  [default: standard output]",
             show_default=False,
         ),
     ] = None,

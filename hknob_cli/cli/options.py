@@ -39,7 +39,7 @@ Out = Annotated[
         "-o",
         parser=_folder,
         metavar="DIR",
-        help="Where results go.  \\[default: results/NAME]",
+        help="Where results go.  [default: results/NAME]",
         show_default=False,
     ),
 ]
@@ -54,7 +54,7 @@ Jobs = Annotated[
         "-j",
         min=1,
         metavar="N",
-        help="Processes that do long work.  \\[default: all cores]",
+        help="Processes that do long work.  [default: all cores]",
         show_default=False,
     ),
 ]

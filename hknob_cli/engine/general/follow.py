@@ -19,7 +19,7 @@ from hknob_cli.engine.general.body import copy_to
 from hknob_cli.engine.general.cogging import far_apart, gap_apart, has_cogs, has_gone
 from hknob_cli.engine.general.controller import command, depth_level, inside, read, read_after
 from hknob_cli.engine.general.inner_region import stands
-from hknob_cli.engine.general.interval import advance, advance_jittering
+from hknob_cli.engine.general.interval import advance, advance_jittering, rubs_alone
 from hknob_cli.engine.general.jitter import jitters
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS, certify
 from hknob_cli.engine.general.slide_two import step_with_friction
@@ -78,18 +78,11 @@ def has_period(period, rows, table):
     return False
 
 
-def rubs_alone(ring, body, wall):
-    """Whether a scene of angle and speed has no more than a plain one but friction, or a torque over the angle."""
-    alone = body.order == 2 and len(ring) == 0 and body.friction > 0.0 and not has_cogs(body.cogs)
-    return alone and wall.hysteresis == 0.0 and wall.damping == 0.0 and wall.analog == 0.0 and not jitters(wall.clock)
-
-
 def rub_on(x, v, shown, most, since, limit, trial, body, wall):
     """Move a trial that `rubs_alone` on, until a sample is to be looked at: ``(x, v, reading, samples)``.
 
-    It moves over the interval after a sample that has been looked at, and over ``most`` more, as long as each begins at
-    the same level, within ``limit`` and beside no proven orbit. Readings go to the trail from ``since`` on; the last
-    one is returned, and how many more intervals it were.
+    It moves over the interval after a sample that has been looked at, and over up to ``most`` more, each from the same
+    level, within ``limit`` and beside no proven orbit. Readings go to the trail from ``since`` on.
     """
     trail = trial.space.trail
     level, u = depth_level(shown, wall), command(shown, shown, wall)

@@ -82,6 +82,12 @@ def advance_jittering(z, before, ring, head, body, wall, pad):
     return shown, head
 
 
+def rubs_alone(ring, body, wall):
+    """Whether a scene of angle and speed has no more than a plain one but friction, or a torque over the angle."""
+    alone = body.order == 2 and len(ring) == 0 and body.friction > 0.0 and not has_cogs(body.cogs)
+    return alone and wall.hysteresis == 0.0 and wall.damping == 0.0 and wall.analog == 0.0 and not jitters(wall.clock)
+
+
 def pass_over(z, before, ring, head, samples, limit, body, wall, pad):
     """Many intervals at once, as long as ``z`` stays within ``limit``: ``(reading, head)``."""
     delay = len(ring)
