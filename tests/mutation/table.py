@@ -85,7 +85,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "measure/harmonics.py": ("tests/measure/test_harmonics.py",),
     "measure/unsampled.py": tuple(f"tests/measure/test_unsampled{end}.py" for end in ("", "_margins")),
     "measure/growth.py": tuple(f"tests/measure/test_growth{end}.py" for end in ("", "_by_hand")),
-    "general/interval.py": (f"{PROOF}test_interval_margins.py",),
+    "general/interval.py": (f"{PROOF}test_interval_margins.py", f"{PROOF}test_friction_alone_margins.py"),
     "general/torque_table.py": (f"{GENERAL}test_torque_table.py",),
     "general/standstill.py": STANDSTILL,
     "general/inner_region.py": (f"{PROOF}test_region_margins.py", *FLANKS, f"{GENERAL}test_inner_region.py"),
@@ -98,6 +98,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/follow.py": (
         f"{PROOF}test_general_follow_margins.py",
         f"{PROOF}test_general_trial_margins.py",
+        f"{PROOF}test_friction_alone_margins.py",
         f"{GENERAL}test_inner_region.py",
     ),
     "general/hysteresis.py": (f"{PROOF}test_hysteresis_margins.py", f"{GENERAL}test_turning_points.py"),

@@ -1,0 +1,129 @@
+"""Tests of `general.interval.rubs_alone` and `general.follow.rub_on`: samples of one level, without a look at each."""
+
+from math import inf, nextafter
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hknob_cli.engine.follow import CYCLE_PROVEN
+from hknob_cli.engine.general.controller import depth_level, read
+from hknob_cli.engine.general.follow import FIELDS, rub_on
+from hknob_cli.engine.general.interval import advance, rubs_alone
+from hknob_cli.engine.general.search import as_list
+from tests.engine.general.bodies import knob
+from tests.engine.trial_space import trial_of
+
+SLOW = knob(rate_hz=20_000.0)  # many samples of one reading
+PLAIN: dict[str, Any] = {}
+MORE: dict[str, dict[str, Any]] = {
+    "no friction": {"knob": {"inertia": 1.9e-6}},
+    "a finger": {
+        "hand": {
+            "finger": {"inertia": 3e-7, "damping": 3e-4, "stiffness": 0.04},
+            "fingerpad": {"damping": 1e-3, "stiffness": 2.0},
+        }
+    },
+    "a delay": {"actuator": {"delay_samples": 1}},
+    "cogging": {"cogging": {"torque": 1e-4, "per_revolution": 8}},
+    "hysteresis": {"encoder": {"hysteresis_counts": 0.2}},
+    "virtual damping": {"wall": {"stiffness": 0.27, "damping": 1e-4}},
+    "jitter": {"clock": {"jitter": 0.1}},
+}
+
+
+@pytest.mark.parametrize("parts", [PLAIN, {"detents": {"per_revolution": 24, "torque": 1e-3}}])
+def test_friction_alone(parts: dict[str, Any]) -> None:
+    one = knob(**parts)
+    assert rubs_alone([0.0] * one.delay_line, one.body, one.wall)
+
+
+@pytest.mark.parametrize("what", MORE)
+def test_friction_and_more(what: str) -> None:
+    one = knob(**MORE[what])
+    assert not rubs_alone([0.0] * one.delay_line, one.body, one.wall)
+
+
+def test_friction_and_a_continuous_sensor() -> None:
+    one = knob(counts=None, encoder="none")
+    assert not rubs_alone([], one.body, one.wall)
+
+
+def trial(trail: int, orbits: list[tuple[float, float]]) -> Any:
+    """With proven orbits, of a deepest sample and a margin each."""
+    rows = [[0.0] * FIELDS for _ in orbits]
+    for row, (_, margin) in zip(rows, orbits, strict=True):
+        row[0], row[2] = CYCLE_PROVEN, margin
+    space = SimpleNamespace(trail=[7.0] * trail)
+    return trial_of([0.0, 0.0], [], space, rows, [[x, 0.0] for x, _ in orbits])  # type: ignore[arg-type]
+
+
+def path(x: float, v: float, count: int) -> list[tuple[float, float]]:
+    """States at ``count`` samples from a state on, by the loop of all scenes."""
+    wall, z, found = as_list(SLOW.wall), [x, v], [(x, v)]
+    for _ in range(count):
+        advance(z, read(z[0], wall), [], 0, SLOW.body, wall, [0.0] * 4)
+        found.append((z[0], z[1]))
+    return found
+
+
+def moved(states: list[tuple[float, float]], most: int, limit: float, trail: int = 100, since: int = 3,
+          orbits: list[tuple[float, float]] | None = None) -> tuple[Any, list[float]]:  # fmt: skip
+    one, wall = trial(trail, orbits or []), as_list(SLOW.wall)
+    x, v = states[0]
+    return rub_on(x, v, read(x, wall), most, since, limit, one, SLOW.body, wall), one.space.trail
+
+
+@given(
+    x=st.floats(-6.0, 3.0),
+    v=st.floats(-0.05, 0.05) | st.floats(-1e-3, 1e-3),
+    most=st.integers(0, 60),
+    since=st.integers(0, 70),
+)
+def test_it_moves_as_the_loop_does_while_the_level_stays(x: float, v: float, most: int, since: int) -> None:
+    states = path(x, v, most + 1)
+    wall = as_list(SLOW.wall)
+    levels = [depth_level(read(at, wall), wall) for at, _ in states]
+    same = next((i for i, level in enumerate(levels[1 : most + 1]) if level != levels[0]), most)
+    (*state, shown, more), trail = moved(states, most, 1e6, trail=64, since=since)
+    assert more == same
+    assert tuple(state) == states[same + 1]
+    readings = [read(at, wall) for at, _ in states[: same + 1]]
+    assert shown == readings[-1]
+    wanted = [7.0] * 64
+    for i, one in enumerate(readings[1:]):
+        if since + i < 64:
+            wanted[since + i] = one
+    assert trail == wanted
+
+
+OUT = path(0.2, 0.04, 9)  # away from the wall, through one count
+
+
+def test_it_turns_round_within_a_sample() -> None:
+    states = path(0.2, 1e-3, 30)
+    turned = next(i for i, (_, v) in enumerate(states) if v < 0.0)
+    assert 1 < turned < 20
+    (*state, _, more), _ = moved(states, turned, 1e6)
+    assert (tuple(state), more) == (states[turned + 1], turned)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_it_stops_where_the_trial_has_left(side: float) -> None:
+    """A position at the limit is past it; outside the wall, to either side of a wall that holds nothing."""
+    states = OUT if side > 0.0 else path(-0.1, -0.04, 9)
+    wall = as_list(SLOW.wall)
+    assert len({depth_level(read(at, wall), wall) for at, _ in states[:8]}) == 1
+    for k in (1, 2, 5):
+        at = abs(states[k][0])
+        assert max(abs(one) for one, _ in states[:k]) < at
+        assert moved(states, 7, at)[0][3] == k - 1
+        assert moved(states, 7, nextafter(at, inf))[0][3] == k
+
+
+def test_it_stops_beside_a_proven_orbit() -> None:
+    at = OUT[4][0]
+    for orbits, stops in (([(at, 1e-3)], 3), ([(50.0, 1e-3), (at, 1e-3)], 3), ([(at, 0.0)], 7), ([], 7)):
+        assert moved(OUT, 7, 1e6, orbits=orbits)[0][3] == stops
