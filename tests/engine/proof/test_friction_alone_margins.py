@@ -1,4 +1,4 @@
-"""Tests of `general.interval.rubs_alone` and `general.follow.rub_on`: samples of one level, without a look at each."""
+"""Samples of one level, without a look at each: `general.interval.rubs_alone`, `general.follow.rub_on`."""
 
 from math import inf, nextafter
 from types import SimpleNamespace
@@ -8,11 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hknob_cli.engine.follow import CYCLE_PROVEN
+from hknob_cli.engine.follow import CYCLE_PROVEN, REST_PROVEN, UNSETTLED
+from hknob_cli.engine.general import ensemble, follow
 from hknob_cli.engine.general.controller import depth_level, read
-from hknob_cli.engine.general.follow import FIELDS, rub_on
+from hknob_cli.engine.general.follow import FIELDS, KNOWN, follow_trial, rub_on
 from hknob_cli.engine.general.interval import advance, rubs_alone
-from hknob_cli.engine.general.search import as_list
+from hknob_cli.engine.general.search import GeneralEngine, as_list
 from tests.engine.general.bodies import knob
 from tests.engine.trial_space import trial_of
 
@@ -127,3 +128,43 @@ def test_it_stops_beside_a_proven_orbit() -> None:
     at = OUT[4][0]
     for orbits, stops in (([(at, 1e-3)], 3), ([(50.0, 1e-3), (at, 1e-3)], 3), ([(at, 0.0)], 7), ([], 7)):
         assert moved(OUT, 7, 1e6, orbits=orbits)[0][3] == stops
+
+
+ENDS = {
+    "cycles": (knob(rate_hz=2154.0, counts=256), None),
+    "rests": (knob(rate_hz=1000.0, counts=2048, knob={"inertia": 1.9e-6, "coulomb_torque": 5.6e-4}), None),
+    "undecided": (knob(rate_hz=10_000.0, counts=512), 601),
+    "at the very end": (SLOW, 37),
+}
+
+
+@pytest.mark.parametrize("what", ENDS)
+def test_a_trial_ends_as_it_does_sample_by_sample(what: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """To the same sample, whatever becomes of it; ``trial_by_trial`` notes all that `follow_trial` says."""
+    one, most = ENDS[what]
+    found = []
+    for single in (False, True):
+        said: list[Any] = []
+        moves: list[int] = []
+
+        def rub(*values: Any, single: bool = single, moves: list[int] = moves) -> Any:
+            x, v, shown, room, *rest = values
+            after = rub_on(x, v, shown, 0 if single else room, *rest)
+            moves.append(after[3])
+            return after
+
+        def trial_by_trial(trial: Any, *rest: Any, said: list[Any] = said) -> Any:
+            end = follow_trial(trial, *rest)
+            said.append((end, list(trial.z), list(trial.space.trail[: end[1]])))
+            return end
+
+        monkeypatch.setattr(follow, "rub_on", rub)
+        monkeypatch.setattr(ensemble, "follow_trial", trial_by_trial)
+        search = GeneralEngine().search(
+            one.body, one.wall, one.start(0.02, 0.0), rate=one.rate, phases=4, delay_line=0, max_samples=most
+        )
+        found.append((search, said))
+        assert (max(moves) == 0) == single
+    assert found[0] == found[1]
+    kinds = {end[0] for end, *_ in found[0][1]}
+    assert kinds <= {"cycles": {CYCLE_PROVEN, KNOWN}, "rests": {REST_PROVEN}}.get(what, {UNSETTLED})
