@@ -1,7 +1,8 @@
 """Cells of states under every clock: successors hold every motion, and the graph is trimmed as another way does."""
 
 from collections.abc import Iterator
-from math import sqrt
+from fractions import Fraction
+from math import floor, sqrt
 from random import Random
 from typing import Any, NamedTuple
 
@@ -195,6 +196,14 @@ def test_roundings_are_bounded_by_the_size_of_all_terms() -> None:
             assert rests(x, 0.0, 0.0, 0.0, u, -1.0, Still(beta, drive), wall) == found
 
 
+def test_a_box_whose_motions_may_come_to_the_edge_does_not_rest() -> None:
+    """In exact numbers: a gap of 1/2, of which all but ``2 SLACK`` is the way, and that what roundings may add."""
+    wall = as_list(knob_of(with_clock(scene(), 0.3)).wall)
+    still, u = Still(1.0, SLACK), -0.5 - SLACK
+    for more, found in ((0.0, False), (2.0**-50, True)):
+        assert rests(-1.0 + 2.0 * SLACK + more, 0.0, 0.0, 0.0, u, -1.0, still, wall) == found
+
+
 def test_a_box_that_stays_comes_into_those_beside_it() -> None:
     """Its sides are theirs, and a rounding decides: a state on a side is in both."""
     wall = as_list(knob_of(with_clock(scene(), 0.3)).wall)._replace(kappa=0.0)
@@ -210,6 +219,91 @@ def test_a_box_that_stays_comes_into_those_beside_it() -> None:
         there = reached(successors(side, inside, Still(1.0, 0.0), wall), inside)
         assert there <= set(range(16 * 16))
         assert len(there) == 6
+
+
+class Hand(NamedTuple):
+    """A box, and what moves it: numbers that a double and a fraction both hold."""
+
+    width: float
+    height: float
+    v: float  # in the middle of the box
+    alpha: float
+    beta: float
+    drive: float
+    shortest: float
+
+
+HANDS = (
+    # Boxes that are wide, and low: what positions add to speeds is seen to a 2^-24th. Then high and narrow ones.
+    Hand(1.0, 2.0**-24, 5.0, 4.0, 2.0, -2.0, 0.5),
+    Hand(1.0, 2.0**-24, -5.0, 0.5, 4.0, -7.0, 0.75),
+    Hand(2.0**-24, 1.0, 2.5, 3.0, 2.0, -1.0, 0.5),
+    Hand(2.0**-24, 1.0, -1.5, 2.0, 0.5, -6.0, 0.25),
+    # As few parts as will do: of the speed, and of its rate.
+    Hand(0.25, 1.0, 0.5, 0.25, 0.5, -2.5, 0.5),
+    Hand(1.0, 0.25, 0.125, 0.25, 0.5, -2.5, 0.5),
+    Hand(1.0, 1.0, 0.5, 0.25, 0.5, -2.5, 0.75),
+)
+
+
+def hull_in_fractions(hand: Hand, x: float, u: float, parts: list[float]) -> tuple[list[Any], tuple[Any, Any]]:
+    """In exact numbers: bounds on position and speed in each part of the interval, and on the position in a hold.
+
+    A state in the box is ``dx`` and ``dv`` from its middle. Within a hold the speed never exceeds that of the energy:
+    |f| and |s| are 1 at most. Taylor's formula about the middle of a part, with the second derivative's bound, holds
+    over half the part's length.
+    """
+    alpha, beta, v = Fraction(hand.alpha), Fraction(hand.beta), Fraction(hand.v)
+    dx, dv, at = Fraction(hand.width) / 2, Fraction(hand.height) / 2, Fraction(x)
+    force = Fraction(u) + Fraction(hand.drive)
+    y = force - beta * at
+    fast = abs(v) + dv + abs(y) + beta * dx
+    hard = abs(y) + beta * dx + (alpha + beta) * fast
+    jerk = beta * fast + alpha * hard
+    wide = (1 + abs(at) + fast + hard + abs(Fraction(u)) + abs(Fraction(hand.drive))) / 2**32
+    free = 1 - Fraction(hand.shortest)
+    need = free * max(fast / Fraction(hand.width), hard / Fraction(hand.height))
+    count = next(2**level for level in range(LEVELS) if 2**level >= need or level == LEVELS - 1)
+    found = []
+    for i in range(count):
+        s, g, f = map(Fraction, parts[3 * (count - 1 + i) : 3 * (count + i)])
+        half = free / count / 2
+        place, pace = at + s * v + g * y, f * v + s * y
+        off, more = abs(1 - beta * g) * dx + abs(s) * dv, beta * abs(s) * dx + abs(f) * dv
+        off += half * (abs(pace) + more) + half * half * hard
+        more += half * (abs(force - beta * place - alpha * pace) + beta * off + alpha * more) + half * half * jerk
+        found.append((place - off - wide, place + off + wide, pace - more - wide, pace + more + wide))
+    least, most, half = at - dx, at + dx, Fraction(1, 2 * HOLD)
+    for i in range(HOLD):
+        s, g, f = map(Fraction, parts[3 * (2**LEVELS - 1 + i) : 3 * (2**LEVELS + i)])
+        off = abs(1 - beta * g) * dx + abs(s) * dv + wide + half * half * hard
+        off += half * (abs(f * v + s * y) + beta * abs(s) * dx + abs(f) * dv)
+        least, most = min(least, at + s * v + g * y - off), max(most, at + s * v + g * y + off)
+    return found, (least, most)
+
+
+@pytest.mark.parametrize("hand", HANDS)
+@pytest.mark.parametrize("seed", range(3))
+def test_bounds_are_those_of_exact_numbers(hand: Hand, seed: int) -> None:
+    """Of any S, G and F: the boxes to the last, and where a hold goes."""
+    chance = Random(seed)
+    parts = [chance.randrange(-16, 17) / 16.0 for _ in range(3 * (2**LEVELS - 1 + HOLD))]
+    wall = as_list(knob_of(with_clock(scene(), 0.3)).wall)._replace(kappa=3.0)
+    left, low, rows = -(2**30), -(2**30), 2**31
+    cells = Cells(hand.width, hand.height, left, low, 2**31, rows, hand.shortest, False, parts, [0] * BOXES)
+    at = (floor(-0.5 / hand.width) - left) * rows + floor(hand.v / hand.height) - low
+    x, v = middle(at, cells)
+    body = Still(hand.beta, hand.drive, hand.alpha)
+    bounds, hold = hull_in_fractions(hand._replace(v=v), x, 3.0, parts)
+    assert successors(at, cells, body, wall) == len(bounds)
+    for i, (least, most, slowest, fastest) in enumerate(bounds):
+        assert cells.boxes[4 * i : 4 * i + 4] == [
+            floor(least / Fraction(hand.width)) - left,
+            floor(most / Fraction(hand.width)) - left,
+            floor(slowest / Fraction(hand.height)) - low,
+            floor(fastest / Fraction(hand.height)) - low,
+        ]
+    assert hold_range(at, cells, body, wall) == pytest.approx(tuple(map(float, hold)), rel=2.0**-49)
 
 
 def graph_of(knob: GeneralKnob, cells: Cells, begun: list[int]) -> dict[int, set[int]]:
@@ -328,3 +422,20 @@ def test_starts_hold_the_first_sample_at_any_time() -> None:
         assert part.left <= x <= part.right
         assert part.low <= v <= part.high
     assert every_clock.start_region([[0.0, -1.0], [2.0, 3.0]]) == [every_clock.Region(0.0, 2.0, -1.0, 3.0)]
+
+
+@pytest.mark.parametrize("rounding", ["floor", "ceil"])
+def test_a_start_on_a_counts_edge_is_in_the_boxes_of_both_sides(rounding: str) -> None:
+    """Whichever way the encoder rounds, one of them has the command of that very state."""
+    knob = knob_of(with_clock(scene(encoder={"rounding": rounding}), 0.2))
+    seen = []
+
+    def note(state: Any, queue: Any, filled: int, most: int, cells: Cells, body: Body, wall: Controller) -> Any:
+        seen.append({middle(at, cells)[0] // 1.0 for at in queue[:filled].tolist()})
+        assert float(read(-2.0, wall)) in {float(read(count + 0.5, wall)) for count in seen[-1]}
+        return -1, 0
+
+    bound = every_clock.ClockBound(dict(PLAIN, **{"general.reach_cells": note}), knob.body, knob.wall)
+    region = every_clock.start_region([[-2.0, 0.01], [-1.5, 0.02]])
+    assert bound.range(region) is None
+    assert seen == [{-3.0, -2.0}] * every_clock.TRIES
