@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from hknob_cli.engine.general import every_clock
+from hknob_cli.engine.general import clock_cells, every_clock
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.clock_cells import (
     CAPTURED,
@@ -209,10 +209,10 @@ def test_a_box_that_stays_comes_into_those_beside_it() -> None:
     wall = as_list(knob_of(with_clock(scene(), 0.3)).wall)._replace(kappa=0.0)
     parts = [0.0, 0.0, 1.0] * (2**LEVELS - 1 + HOLD)
     cells = Cells(0.25, 0.25, -8, -8, 16, 16, 1.0, True, parts, [0] * BOXES)
-    at = 5 * 16 + 6
-    assert reached(successors(at, cells, Still(1.0, 0.0), wall), cells) == {
-        at + column * 16 + row for column in (-1, 0, 1) for row in (-1, 0, 1)
-    }
+    for at in (5 * 16 + 6, 16 + 1, 14 * 16 + 14):  # up to the first and the last of a grid that no motion leaves
+        assert reached(successors(at, cells, Still(1.0, 0.0), wall), cells) == {
+            at + column * 16 + row for column in (-1, 0, 1) for row in (-1, 0, 1)
+        }
     for side in (5, 5 * 16, 5 * 16 + 15, 15 * 16 + 6):
         assert successors(side, cells, Still(1.0, 0.0), wall) == LEAVES
         inside = cells._replace(whole=False)
@@ -243,6 +243,7 @@ HANDS = (
     Hand(0.25, 1.0, 0.5, 0.25, 0.5, -2.5, 0.5),
     Hand(1.0, 0.25, 0.125, 0.25, 0.5, -2.5, 0.5),
     Hand(1.0, 1.0, 0.5, 0.25, 0.5, -2.5, 0.75),
+    Hand(1.0, 1.0, 6.5, 0.125, 0.125, -2.125, 0.5),  # 4 parts to the bit: half an interval at a speed of 8
 )
 
 
@@ -306,6 +307,60 @@ def test_bounds_are_those_of_exact_numbers(hand: Hand, seed: int) -> None:
     assert hold_range(at, cells, body, wall) == pytest.approx(tuple(map(float, hold)), rel=2.0**-49)
 
 
+@pytest.mark.parametrize("v", [0.5, -0.5])
+def test_a_hold_begins_in_its_box(v: float) -> None:
+    """One that comes out of it on one side at once: the other side is the box's own."""
+    parts = [2.0, 1.0, 1.0] * (2**LEVELS - 1 + HOLD)
+    cells = Cells(0.25, 0.25, -8, -8, 16, 16, 1.0, True, parts, [0] * BOXES)
+    at = 5 * 16 + floor(v / 0.25) + 8
+    x, _ = middle(at, cells)
+    wall = as_list(knob_of(with_clock(scene(), 0.3)).wall)._replace(kappa=0.0)
+    low, high = hold_range(at, cells, Still(1.0, x), wall)  # nothing pulls in the middle of the box
+    assert (low if v > 0.0 else high) == (x - 0.125 if v > 0.0 else x + 0.125)
+    assert low + 0.5 < high
+
+
+def made(graph: dict[int, list[int]], monkeypatch: pytest.MonkeyPatch) -> Cells:
+    """A row of ten boxes with these successors."""
+    cells = Cells(1.0, 1.0, 0, 0, 10, 1, 1.0, True, [], [0] * BOXES)
+
+    def follow(at: int, cells: Cells, body: Any, wall: Any) -> int:
+        for i, then in enumerate(graph[at]):
+            cells.boxes[4 * i : 4 * i + 4] = [then, then, 0, 0]
+        return len(graph[at])
+
+    monkeypatch.setattr(clock_cells, "successors", follow)
+    return cells
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize(
+    ("queue", "spans", "widest"),
+    [
+        # Two circles, 1 and 2, 5 and 6, which lead to 3, where nothing stays: they are not connected.
+        ([1, 2, 5, 6], {1: (0.0, 0.5), 2: (-0.25, 0.25), 5: (10.0, 10.5), 6: (10.125, 10.375)}, 0.75),
+        ([1, 2, 5, 6], {1: (0.0, 5.0), 2: (-3.0, 2.0), 5: (10.0, 13.0), 6: (11.0, 12.0)}, 8.0),
+        ([5, 6, 1, 2], {1: (0.0, 1.0), 2: (0.5, 2.0), 5: (10.0, 13.0), 6: (11.0, 12.0)}, 3.0),
+    ],
+)
+def test_the_widest_range_is_that_of_what_is_connected(
+    queue: list[int],
+    spans: dict[int, tuple[float, float]],
+    widest: float,
+    *,
+    turned: bool,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    cells = made({1: [2, 3], 2: [1, 3], 5: [6, 3], 6: [3, 5]}, monkeypatch)
+    if turned:
+        spans = {at: (-high, -low) for at, (low, high) in spans.items()}
+    monkeypatch.setattr(clock_cells, "hold_range", lambda at, *_: spans[at])
+    for order in (queue, queue[::-1], [queue[1], queue[0], *queue[2:]]):
+        state = [THERE if at in queue else UNSEEN for at in range(10)]
+        room = [[0.0] * 4, [0.0] * 4]
+        assert widest_range(state, order, 4, [0] * 10, [0] * 10, *room, cells, None, None) == widest
+
+
 def graph_of(knob: GeneralKnob, cells: Cells, begun: list[int]) -> dict[int, set[int]]:
     """All cells that are reached, and the successors of those from which a motion need not rest."""
     edges: dict[int, set[int]] = {}
@@ -360,19 +415,53 @@ def follow_cells(
 PLAIN: dict[str, Any] = {f"general.{one.__name__}": one for one in (reach_cells, trim_cells, widest_range)}
 
 
-@pytest.mark.parametrize("bias", [1e-3, 1.8e-3])
+@pytest.mark.parametrize("bias", [1e-3, 1.8e-3, 2.2e-3])
 def test_the_graph_is_trimmed_as_another_way_does(bias: float) -> None:
     """What is reached, what is left, and the widest range of what is connected."""
     knob, cells, begun = ringed(bias)
     edges = graph_of(knob, cells, begun)
     there = recurrent({at: {one for one in then if edges[one]} for at, then in edges.items() if then})
     assert len(edges) > 100
+    assert any(not then for then in edges.values()) == (bias == 2.2e-3)
     found, resting, left, widest = follow_cells(PLAIN, knob.body, knob.wall, cells, begun)
     assert set(found.tolist()) == set(edges)
     assert set(resting.tolist()) == {at for at, then in edges.items() if not then}
     assert set(left.tolist()) == there
     assert widest == connected_range(knob, cells, edges, there)
     assert (widest > 0.0) == bool(there)
+
+
+@pytest.mark.parametrize("bias", [1.8e-3, 2.2e-3])
+def test_visits_are_counted_and_limited(bias: float) -> None:
+    """A visit is a cell of a box of successors; what lies in the queue behind those that are filled is not read."""
+    knob, cells, begun = ringed(bias)
+    edges = graph_of(knob, cells, begun)
+    there = recurrent({at: {one for one in then if edges[one]} for at, then in edges.items() if then})
+    areas: dict[int, int] = {}
+    for at, then in edges.items():
+        count = successors(at, cells, knob.body, knob.wall) if then else 0
+        boxes = [cells.boxes[4 * i : 4 * i + 4] for i in range(count)]
+        areas[at] = sum((last - first + 1) * (over - under + 1) for first, last, under, over in boxes)
+    whole, size = sum(areas.values()), cells.columns * cells.rows
+
+    def reach(most: int, halt: float = 0.0) -> tuple[int, int, list[int], list[int]]:
+        state, queue = [UNSEEN] * size, [next(iter(there))] * (2 * size)
+        state[begun[0]], queue[0] = THERE, begun[0]
+        body = knob.body._replace(halt=[halt])
+        return *reach_cells(state, queue, 1, most, cells, body, knob.wall), state, queue
+
+    filled, visits, state, queue = reach(whole)
+    assert (filled, visits) == (len(edges), whole)
+    before = whole - areas[queue[filled - 1]]  # the last is asked for its successors after so many
+    assert reach(before)[:2] == (len(edges), whole)
+    assert reach(before - 1)[:2] == (-1, before)
+    assert reach(whole, 0.5)[:2] == (-1, 0)
+    halted = knob.body._replace(halt=[0.5])
+    assert trim_cells(state, list(queue), filled, [0] * size, cells, halted, knob.wall) == (-1, 0)
+    gone = sum(areas[at] for at in edges if at not in there)
+    kept, visits = trim_cells(state, queue, filled, [0] * size, cells, knob.body, knob.wall)
+    assert (kept, visits) == (len(there), whole + gone)
+    assert set(queue[:kept]) == there
 
 
 def connected_range(knob: GeneralKnob, cells: Cells, edges: dict[int, set[int]], there: set[int]) -> float:
@@ -403,7 +492,7 @@ def test_a_grid_that_motions_leave_says_so() -> None:
     assert successors(cells.rows - 1 + (cells.columns - 1) * cells.rows, cells, body, wall) == LEAVES
     state, queue = [0] * size, [0] * (2 * size)
     state[at], queue[0] = THERE, at
-    filled, visits = reach_cells(state, queue, 1, 10, cells, body, wall)
+    filled, visits = reach_cells(state, queue, 1, 10**9, cells, body, wall)
     assert filled == -1
     assert visits < 1000
 
