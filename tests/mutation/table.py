@@ -16,12 +16,13 @@ FRICTION_SETS = tuple(f"{PROOF}test_{name}_margins.py" for name in ("friction_se
 LAWS = (f"{PROOF}test_law_trial_margins.py",)
 ORBIT = ("tests/engine/orbit/",)
 FLANKS = (f"{PROOF}test_flank_rest_margins.py", f"{PROOF}test_teeth_margins.py")
-TEETH = (f"{GENERAL}test_flanks.py", *FLANKS)
+TEETH = (f"{GENERAL}test_flanks.py", f"{PROOF}test_teeth_modes.py", *FLANKS)
 COG_REST = (f"{PROOF}test_cog_rest_margins.py",)
 SLOPES = (f"{GENERAL}test_slopes.py",)
 COGGING = (f"{PROOF}test_cogging_margins.py", *SLOPES)
 STANDSTILL = (
     f"{PROOF}test_standstill_margins.py",
+    *COG_REST,
     *FLANKS,
     f"{PROOF}test_runs_off.py",
     f"{GENERAL}test_inner_region.py",
@@ -110,6 +111,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/laws/cascade.py": LAWS,
     "general/laws/rest.py": (
         *(f"{PROOF}test_law_{name}_margins.py" for name in ("rest", "settling", "over_angle")),
+        *COG_REST,
         *FLANKS,
     ),
     "general/laws/follow.py": LAWS,

@@ -78,10 +78,9 @@ def teeth_rate(z, u, side, toward, body, out):
             out[n - 1] += body.lag * u
         return
     matrix = (HELD if side == 0 else RATES) * n * n
-    vector = (CONSTANT_HELD if side == 0 else CONSTANT) * n
     command = (0.0 if body.lag > 0.0 else u) - toward * body.friction
     for i in range(n):
-        total = body.vectors[vector + i] + body.vectors[ENTRY * n + i] * command
+        total = body.vectors[CONSTANT * n + i] + body.vectors[ENTRY * n + i] * command
         for j in range(n):
             total += body.matrices[matrix + i * n + j] * z[j]
         out[i] = total
@@ -97,7 +96,7 @@ def teeth_pull(z, at, u, side, body):
     """Acceleration of the motor without friction, on a flank or on none."""
     n = body.order
     matrix = (HELD if side == 0 else RATES) * n * n
-    total = body.vectors[(CONSTANT_HELD if side == 0 else CONSTANT) * n + 1]
+    total = body.vectors[CONSTANT * n + 1]
     if body.lag == 0.0:
         total += u
     for j in range(n):
@@ -165,7 +164,7 @@ def told(z, u, pad, side, toward, h, pace, twist, jerk, body):
         slope = side * (body.pad_stiffness * pad[2] + body.pad_damping * pad[3])
         return turning and (keeps_sign(pressing(z, 0, side, body), slope, twist, h) or abs(slope) > twist * h)
     one, other = seen(z, pad, 1, h, pace, twist, body), seen(z, pad, -1, h, pace, twist, body)
-    return turning and one > 0 and other > 0 and one + other > 2
+    return turning and one + other > 2
 
 
 def teeth_over(z, at, side, body):
