@@ -180,6 +180,7 @@ def enter(fate, period, before, head, trial, body, wall):
             period = turns
             row = find(fate, period, z, shown, rows, table, trial.states, n)
             status, margin, edge, closure, bound = certify(z, before, ring, head, period, body, wall, space)
+        told = fate
         if fate != CYCLE_PROVEN and status == DIFFERENT:
             fate = UNSETTLED
         if fate == CYCLE_PROVEN and status != PROVEN and status != NOT_CAPTURED:
@@ -188,11 +189,11 @@ def enter(fate, period, before, head, trial, body, wall):
             copy_to(z, space.orbit)
             copy_to(ring, space.orbit_line)
             before = space.reading[0]
-    if cycle and not is_cycle(fate):
-        # Nothing is left of the cycle but that the trial has not settled.
-        cycle, period, turns = False, 0, 0
-        margin, edge, closure, bound = 0.0, 0.0, 0.0, 0.0
-        row = find(fate, period, z, shown, rows, table, trial.states, n)
+        if not is_cycle(fate):
+            # Nothing is left of the cycle but that the trial has not settled.
+            period, margin, edge, closure, bound = 0, 0.0, 0.0, 0.0, 0.0
+        if fate != told:
+            row = find(fate, period, z, shown, rows, table, trial.states, n)
     if body.halt[0] > 0.0:
         return -1
     if row == len(table) // FIELDS:

@@ -154,12 +154,10 @@ def told(z, u, pad, side, toward, h, pace, twist, jerk, body):
         return True  # no torque changes, and teeth do not move against each other
     if toward == 0 and body.friction > 0.0:
         turning = stuck_told(z, u, pad, side, h, body)
-    elif toward != 0 and jerk == 0.0 and pad[1] == 0.0:
-        turning = True  # nothing changes the speed
-    elif toward != 0 and not keeps_sign(toward * z[1], toward * pad[1], jerk, h):
+    elif toward != 0 and jerk > 0.0 and not keeps_sign(toward * z[1], toward * pad[1], jerk, h):
         turning = abs(pad[1]) > jerk * h
     else:
-        turning = True
+        turning = True  # no turn is asked for, or none comes, or the speed changes evenly: it turns once at most
     if side != 0:
         slope = side * (body.pad_stiffness * pad[2] + body.pad_damping * pad[3])
         return turning and (keeps_sign(pressing(z, 0, side, body), slope, twist, h) or abs(slope) > twist * h)
@@ -180,7 +178,7 @@ def over_now(pad, u, side, toward, body):
     `TURNED`: a turning point, or the release of a motor that friction holds; else `SPRUNG`.
     """
     n = body.order
-    if toward != 0 and pad[n + 1] * toward < 0.0:
+    if pad[n + 1] * toward < 0.0:
         return TURNED
     if toward == 0 and body.friction > 0.0 and abs(teeth_pull(pad, n, u, side, body)) > body.friction:
         return TURNED

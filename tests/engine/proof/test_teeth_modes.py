@@ -158,12 +158,21 @@ def test_on_a_flank_one_end_at_most_is_told(side: int) -> None:
         ):
             pad = [0.0, way * rate, *still[2:]]
             assert told([0.0, way * v, DEEP[side], 0.0], 0.0, pad, side, way, 1.0, 1.0, 0.0, jerk, HAND) == clear
+            slow = [0.0, way * 0.5 * rate, *still[2:]]  # over twice as long the same happens at half the rate
+            assert told([0.0, way * v, DEEP[side], 0.0], 0.0, slow, side, way, 2.0, 1.0, 0.0, 0.25 * jerk, HAND) == clear
 
 
 def test_in_the_gap_nothing_is_to_happen_on_one_flank_at_least() -> None:
     """Each flank 1 away: the next is told where the way is monotone, and the other out of reach."""
     z = [0.0, 0.5, DEEP[0], 0.0]
-    for rate, pace, clear in ((0.25, 0.25, True), (2.0, 0.25, True), (-2.0, 0.25, True), (2.0, 2.0, False)):
+    for rate, pace, clear in (
+        (0.25, 0.25, True),
+        (0.5, 0.5, True),  # 1 - 1/2 - 1/4 is left, and on the other side more
+        (-0.5, 0.5, True),
+        (2.0, 0.25, True),
+        (-2.0, 0.25, True),
+        (2.0, 2.0, False),
+    ):
         assert told(z, 0.0, [0.0, 0.0, rate, 0.0], 0, 0, 1.0, pace, 0.0, 0.0, HAND) == clear
         for way in (1, -1):
             turns = [0.0, -0.25 * way, rate, 0.0]
