@@ -130,6 +130,7 @@ def test_an_orbit_is_turned_to_its_deepest_sample(monkeypatch: pytest.MonkeyPatc
 def test_of_samples_that_are_equally_deep_the_first_is_meant(monkeypatch: pytest.MonkeyPatch) -> None:
     orbit = Orbit(monkeypatch, [(-1.0, 0.5), (-3.0, 0.25), (-2.0, 0.0), (-3.0, 0.125)])
     assert orbit.turned(4) == (-101.0, 4, [-3.0, 0.25], [])
+    assert Orbit(monkeypatch, [(-3.0, 0.25)]).turned(4) == (-99.0, 1, [-3.0, 0.25], [])
 
 
 @pytest.mark.parametrize(("off", "period"), [(0.99, 2), (1.01, 4)])
@@ -320,6 +321,7 @@ def test_a_rest_is_entered_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
             ([-2.5, 0.0], analog, 0.5, -1.0),
             ([0.0, 0.0], analog, 0.5, 0.0),
             ([0.5, 0.0], analog, 1.5, 0.0),
+            ([-0.5, 0.0], analog, 0.5, -1.0),
             ([-0.5, 0.0], analog, 0.0, -5.0),
             ([-2.5, 0.0], WALL._replace(analog=0.5), 0.5, -1.0),
         ):
@@ -335,6 +337,10 @@ def test_a_rest_is_entered_where_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     entry = Entry(monkeypatch, [PROVEN])
     entry.run(CYCLE_PROVEN, 6, friction=0.5)
     assert entry.written[9] == -4.0
+    for wall in (WALL, analog):  # it is known by its place, whatever was read there
+        for place, row in (((-3.0, 0.5), 0), ((-2.0, 0.5), 1)):
+            entry = Entry(monkeypatch, [PROVEN])
+            assert entry.run(CYCLE_PROVEN, 6, [a_row(CYCLE_PROVEN, 6, -3.0)], [place], friction=0.5, wall=wall) == row
     entry = Entry(monkeypatch, [])
     entry.run(LEFT, 0, friction=0.5)
     assert entry.written[9] == -5.0
@@ -406,7 +412,7 @@ class Run:
 
 def test_trials_are_begun_passed_over_followed_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     """The middle of each part of the first interval; what is skipped counts as samples."""
-    one = Run(monkeypatch, [(CYCLE_PROVEN, 1, 30), (KNOWN, 0, 40), (UNSETTLED, 2, 50), (KNOWN, 2, 1)])
+    one = Run(monkeypatch, [(CYCLE_PROVEN, 0, 30), (KNOWN, 1, 40), (UNSETTLED, 2, 50), (KNOWN, 2, 1)])
     assert one.run(Batch(8, 3, 7)) == (2, 30 + 40 + 50 + 1 + 4 * 5)
     assert [one.trial.table[6], one.trial.table[FIELDS + 6]] == [4.0, 4.0]
     begun = [
