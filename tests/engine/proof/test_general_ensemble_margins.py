@@ -438,4 +438,3 @@ def test_once_halted_no_trial_is_counted(monkeypatch: pytest.MonkeyPatch) -> Non
         one = Run(monkeypatch, ends, delay=0)
         assert one.run(Batch(8, 0, 7)) == (0, samples)
         assert [one.trial.table[6], one.trial.table[FIELDS + 6]] == [4.0, 3.0]
-

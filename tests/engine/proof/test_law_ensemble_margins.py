@@ -91,7 +91,7 @@ def test_an_orbit_is_turned_to_its_deepest_sample(monkeypatch: pytest.MonkeyPatc
 
 @pytest.mark.parametrize(("off", "period"), [(0.99, 2), (1.01, 4)])
 def test_a_shorter_period_is_one_up_to_rounding(monkeypatch: pytest.MonkeyPatch, off: float, period: int) -> None:
-    """In each number of the state, and of what is remembered; torques follow from these, and what drifts is no matter."""
+    """In each number of the state and of what is remembered. Torques follow from these, and what drifts may differ."""
     nudge = off * NEAR
     for sign in (1.0, -1.0):
         for dx, dv, first, second in ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0, 0, 0, 1.0)):
@@ -247,7 +247,12 @@ def test_a_shorter_turn_that_was_near_not_equal_is_an_orbit_of_all_turns(monkeyp
 
 def test_what_repeats_at_every_sample_is_a_rest_where_no_cycle_can_be_proven(monkeypatch: pytest.MonkeyPatch) -> None:
     """Under a law that senses the velocity, or that is not provable; else it is a cycle of one sample."""
-    for senses, provable, rests in ((False, True, False), (True, True, True), (False, False, True), (True, False, True)):
+    for senses, provable, rests in (
+        (False, True, False),
+        (True, True, True),
+        (False, False, True),
+        (True, False, True),
+    ):
         law = law_of(senses=senses, provable=provable)
         for fate in RESTS:
             for turned in (None, 1):
@@ -362,7 +367,9 @@ class Run:
 
 
 @pytest.mark.parametrize(("clock", "how"), [(None, "plain"), ([0.0] * 6, "jitters")])
-def test_trials_are_begun_passed_over_followed_and_counted(monkeypatch: pytest.MonkeyPatch, clock: Any, how: str) -> None:
+def test_trials_are_begun_passed_over_followed_and_counted(
+    monkeypatch: pytest.MonkeyPatch, clock: Any, how: str
+) -> None:
     """The middle of each part of the first interval; what is skipped counts as samples."""
     one = Run(monkeypatch, [(CYCLE_PROVEN, 0, 30), (KNOWN, 1, 40), (UNSETTLED, 2, 50), (KNOWN, 2, 1)])
     assert one.run(Batch(8, 3, 7), WALL._replace(clock=clock)) == (2, 30 + 40 + 50 + 1 + 4 * 3)

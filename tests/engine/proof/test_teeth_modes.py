@@ -157,9 +157,12 @@ def test_on_a_flank_one_end_at_most_is_told(side: int) -> None:
             (0.0, 0.5, 0.0, True),
         ):
             pad = [0.0, way * rate, *still[2:]]
-            assert told([0.0, way * v, DEEP[side], 0.0], 0.0, pad, side, way, 1.0, 1.0, 0.0, jerk, HAND) == clear
+            z = [0.0, way * v, DEEP[side], 0.0]
+            assert told(z, 0.0, pad, side, way, 1.0, 1.0, 0.0, jerk, HAND) == clear
             slow = [0.0, way * 0.5 * rate, *still[2:]]  # over twice as long the same happens at half the rate
-            assert told([0.0, way * v, DEEP[side], 0.0], 0.0, slow, side, way, 2.0, 1.0, 0.0, 0.25 * jerk, HAND) == clear
+            assert (
+                told([0.0, way * v, DEEP[side], 0.0], 0.0, slow, side, way, 2.0, 1.0, 0.0, 0.25 * jerk, HAND) == clear
+            )
 
 
 def test_in_the_gap_nothing_is_to_happen_on_one_flank_at_least() -> None:
@@ -244,6 +247,8 @@ def test_a_motor_between_teeth_is_moved_by_its_own_parts_alone() -> None:
     assert loose_bound(pad, plain) == 2.0
     wound = plain._replace(order=5, coil=4.0)  # square root of 4 x 3^2 + 4^2
     assert loose_bound(pad, wound) == pytest.approx(52.0**0.5 * 2.5, rel=1e-15)
+    assert loose_bound(pad, wound._replace(coil=1.0)) == pytest.approx(5.0 * 1.5, rel=1e-15)
+    assert loose_bound(pad, wound._replace(coil=0.25)) == pytest.approx((16.0 + 2.25) ** 0.5, rel=1e-15)
     late = plain._replace(order=6, lag=0.25)
     assert loose_bound(pad, late) == (4.0 + 8.0) * 0.5 + 2.0
     both = late._replace(coil=4.0)
