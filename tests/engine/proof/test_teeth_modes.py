@@ -137,7 +137,7 @@ def test_on_a_flank_one_end_at_most_is_told(side: int) -> None:
         (-1.0, 0.25, 1.0, 1.875, False),
         (-1.0, 0.25, 1.0, 1.8, True),
     ):
-        pad = [0.0, 9.0, side * slow, side * fast]
+        pad = [0.0, 0.5, side * slow, side * fast]
         assert told(z, 0.0, pad, side, 0, h, 1.0, twist, 1.0, HAND) == clear
         assert told(z, 0.0, pad, side, 0, h, 0.0, twist, 1.0, HAND)  # nothing moves
         assert not told(z, 0.0, [0.0, 0.0, 0.0, 0.0], side, 1, 1.0, 1.0, 0.0, 1.0, HAND)
