@@ -248,7 +248,7 @@ def press(z, u, side, toward, left, fresh, body, pad):
         ended = over_now(pad, u, side, toward, body)
         if side != 0:
             carried = least_torque(z, pad, side, h, twist, body)
-        if ended > 0 and (clear or not fresh):
+        if ended > 0 and clear:
             for deeper in range(half + 1, HALVINGS):
                 teeth_rate(z, u, side, toward, body, pad)
                 stretch(z, pad, table + deeper, body)
