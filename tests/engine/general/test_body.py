@@ -76,7 +76,7 @@ def test_a_winding_stands_behind_knob_and_finger() -> None:
 
 
 def test_the_energy_of_a_difference_is_that_of_all_springs_and_masses() -> None:
-    """v^2 + x^2 / 4. A finger at 2 + 2, off by 3 - 1/2: 4 + 1/2 + (16 + 8 x 6.25) / 4. A lag adds 3 / (1/2) to the root."""
+    """v^2 + x^2 / 4. A finger at 2 + 2, off by 3 - 1/2: 4 + 1/2 + (16 + 8 x 6.25) / 4. A lag adds 6 to the root."""
     for dz, one, energy, late in (
         ([3.0, -2.0], PLAIN, 4.0 + 2.25, 0.0),
         ([3.0, -2.0, 9.0], PLAIN._replace(order=3), 4.0 + 2.25, 0.0),
@@ -95,7 +95,7 @@ def test_the_energy_of_a_difference_is_that_of_all_springs_and_masses() -> None:
 
 
 def test_positions_come_as_far_apart_as_the_energy_allows() -> None:
-    """What nothing holds, neither spring nor friction, goes on for ever without damping; else by the speed over that."""
+    """Without spring and friction by the speed over the damping, or for ever."""
     assert distance([3.0, -2.0], PLAIN) == 2.0 * 2.5
     for friction in (0.5, 2.0):
         assert distance([3.0, -2.0], PLAIN._replace(beta=0.0, friction=friction)) == 2.0 * 2.0

@@ -361,6 +361,18 @@ def test_the_widest_range_is_that_of_what_is_connected(
         assert widest_range(state, order, 4, [0] * 10, [0] * 10, *room, cells, None, None) == widest
 
 
+def test_what_a_motion_has_left_takes_nothing_along(monkeypatch: pytest.MonkeyPatch) -> None:
+    """1 leads to 3, which is no cell of motions that go on, and so is not asked where it leads: 5 and 6 are left."""
+    for outside in (UNSEEN, RESTS):
+        cells = made({1: [3], 3: [5], 5: [6], 6: [5]}, monkeypatch)
+        state = [outside if at == 3 else THERE if at in (1, 5, 6) else UNSEEN for at in range(10)]
+        queue: list[Any] = [1, 5, 6, *[9] * 3]
+        still: Any = Still(1.0, 0.0)
+        assert trim_cells(state, queue, 3, [0] * 10, cells, still, None) == (2, 4)
+        assert queue[:2] == [5, 6]
+        assert [at for at in range(10) if state[at] == THERE] == [5, 6]
+
+
 def graph_of(knob: GeneralKnob, cells: Cells, begun: list[int]) -> dict[int, set[int]]:
     """All cells that are reached, and the successors of those from which a motion need not rest."""
     edges: dict[int, set[int]] = {}
