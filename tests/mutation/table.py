@@ -105,6 +105,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/body.py": (f"{GENERAL}test_body.py",),
     "general/slide_many.py": (f"{PROOF}test_slide_margins.py",),
     "general/controller.py": (f"{GENERAL}test_controller.py", f"{GENERAL}test_controller_edges.py"),
+    "general/every_clock.py": (f"{GENERAL}test_every_clock_steps.py", f"{GENERAL}test_clock_cells.py"),
     "general/ensemble.py": (f"{PROOF}test_general_ensemble_margins.py",),
     "general/clock_cells.py": (f"{GENERAL}test_clock_cells.py",),
     "general/cogging.py": COGGING,

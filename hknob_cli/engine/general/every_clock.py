@@ -143,8 +143,6 @@ class ClockBound:
             # A state on a count's edge may have the command of either side, as the encoder rounds.
             first, last = ceil(one.left / cells.width) - 1 + columns, floor(one.right / cells.width) + columns
             under, over = (floor(v / cells.height) + rows for v in (one.low, one.high))
-            if first < 0 or under < 0 or last >= 2 * columns or over >= 2 * rows:
-                return None
             state.reshape(2 * columns, 2 * rows)[first : last + 1, under : over + 1] = THERE
         begun = np.flatnonzero(state)
         queue[: len(begun)] = begun
