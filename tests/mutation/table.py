@@ -16,12 +16,13 @@ FRICTION_SETS = tuple(f"{PROOF}test_{name}_margins.py" for name in ("friction_se
 LAWS = (f"{PROOF}test_law_trial_margins.py",)
 ORBIT = ("tests/engine/orbit/",)
 FLANKS = (f"{PROOF}test_flank_rest_margins.py", f"{PROOF}test_teeth_margins.py")
-TEETH = (f"{GENERAL}test_flanks.py", *FLANKS)
+TEETH = (f"{GENERAL}test_flanks.py", *(f"{PROOF}test_teeth_{name}.py" for name in ("modes", "steps")), *FLANKS)
 COG_REST = (f"{PROOF}test_cog_rest_margins.py",)
 SLOPES = (f"{GENERAL}test_slopes.py",)
 COGGING = (f"{PROOF}test_cogging_margins.py", *SLOPES)
 STANDSTILL = (
     f"{PROOF}test_standstill_margins.py",
+    *COG_REST,
     *FLANKS,
     f"{PROOF}test_runs_off.py",
     f"{GENERAL}test_inner_region.py",
@@ -102,15 +103,22 @@ WATCHED: dict[str, tuple[str, ...]] = {
         f"{GENERAL}test_inner_region.py",
     ),
     "general/hysteresis.py": (f"{PROOF}test_hysteresis_margins.py", f"{GENERAL}test_turning_points.py"),
+    "general/body.py": (f"{GENERAL}test_body.py",),
+    "general/slide_many.py": (f"{PROOF}test_slide_margins.py",),
+    "general/controller.py": (f"{GENERAL}test_controller.py", f"{GENERAL}test_controller_edges.py"),
+    "general/every_clock.py": (f"{GENERAL}test_every_clock_steps.py", f"{GENERAL}test_clock_cells.py"),
+    "general/ensemble.py": (f"{PROOF}test_general_ensemble_margins.py",),
     "general/clock_cells.py": (f"{GENERAL}test_clock_cells.py",),
     "general/cogging.py": COGGING,
     "general/slopes.py": SLOPES,
     "general/cog_rest.py": COG_REST,
     "general/laws/period.py": (f"{PROOF}test_law_period_margins.py", *FLANKS),
     "general/laws/parting.py": (f"{GENERAL}test_parting.py",),
+    "general/laws/trials.py": (f"{PROOF}test_law_ensemble_margins.py",),
     "general/laws/cascade.py": LAWS,
     "general/laws/rest.py": (
         *(f"{PROOF}test_law_{name}_margins.py" for name in ("rest", "settling", "over_angle")),
+        *COG_REST,
         *FLANKS,
     ),
     "general/laws/follow.py": LAWS,

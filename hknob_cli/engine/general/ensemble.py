@@ -10,7 +10,6 @@ from hknob_cli.engine.follow import (
     CYCLE_PROVEN,
     REST_EDGE,
     REST_PROVEN,
-    UNSETTLED,
 )
 from hknob_cli.engine.general.advance import advance_span
 from hknob_cli.engine.general.body import copy_to
@@ -170,8 +169,8 @@ def enter(fate, period, before, head, trial, body, wall):
     if cycle:
         before, head, period = deepest(before, head, period, trial, body, wall)
     rest = fate == REST_PROVEN or fate == REST_EDGE
-    shown = read_after(z[0], before, wall) if rest and body.friction > 0.0 and wall.analog == 0.0 else float("nan")
-    if rest and body.friction > 0.0 and wall.analog > 0.0:
+    shown = read_after(z[0], before, wall) if rest and body.friction > 0.0 else float("nan")
+    if wall.analog > 0.0 and shown == shown:
         shown = -1.0 if z[0] < 0.0 else 0.0
     row = find(fate, period, z, shown, rows, table, trial.states, n)
     if cycle and row == rows:
@@ -180,19 +179,17 @@ def enter(fate, period, before, head, trial, body, wall):
             period = turns
             row = find(fate, period, z, shown, rows, table, trial.states, n)
             status, margin, edge, closure, bound = certify(z, before, ring, head, period, body, wall, space)
-        if fate != CYCLE_PROVEN and status == DIFFERENT:
-            fate = UNSETTLED
-        if fate == CYCLE_PROVEN and status != PROVEN and status != NOT_CAPTURED:
+        if status == PROVEN or status == NOT_CAPTURED:
+            if fate == CYCLE_PROVEN:
+                copy_to(z, space.orbit)
+                copy_to(ring, space.orbit_line)
+                before = space.reading[0]
+        elif fate == CYCLE_PROVEN or status == DIFFERENT:
             fate = downgrade(status)
-        elif fate == CYCLE_PROVEN:
-            copy_to(z, space.orbit)
-            copy_to(ring, space.orbit_line)
-            before = space.reading[0]
-    if cycle and not is_cycle(fate):
-        # Nothing is left of the cycle but that the trial has not settled.
-        cycle, period, turns = False, 0, 0
-        margin, edge, closure, bound = 0.0, 0.0, 0.0, 0.0
-        row = find(fate, period, z, shown, rows, table, trial.states, n)
+            if not is_cycle(fate):
+                # Nothing is left of the cycle but that the trial has not settled.
+                period, margin, edge, closure, bound = 0, 0.0, 0.0, 0.0, 0.0
+            row = find(fate, period, z, shown, rows, table, trial.states, n)
     if body.halt[0] > 0.0:
         return -1
     if row == len(table) // FIELDS:

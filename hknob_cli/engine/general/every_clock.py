@@ -140,10 +140,9 @@ class ClockBound:
         cells = self._grid(fineness, (-columns, -rows, 2 * columns, 2 * rows), whole=True)
         state, queue = np.zeros(4 * columns * rows, np.int8), np.zeros(8 * columns * rows, np.int64)
         for one in starts:
-            first, last = (floor(x / cells.width) + columns for x in (one.left, one.right))
+            # A state on a count's edge may have the command of either side, as the encoder rounds.
+            first, last = ceil(one.left / cells.width) - 1 + columns, floor(one.right / cells.width) + columns
             under, over = (floor(v / cells.height) + rows for v in (one.low, one.high))
-            if first < 0 or under < 0 or last >= 2 * columns or over >= 2 * rows:
-                return None
             state.reshape(2 * columns, 2 * rows)[first : last + 1, under : over + 1] = THERE
         begun = np.flatnonzero(state)
         queue[: len(begun)] = begun

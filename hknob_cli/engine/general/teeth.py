@@ -78,10 +78,9 @@ def teeth_rate(z, u, side, toward, body, out):
             out[n - 1] += body.lag * u
         return
     matrix = (HELD if side == 0 else RATES) * n * n
-    vector = (CONSTANT_HELD if side == 0 else CONSTANT) * n
     command = (0.0 if body.lag > 0.0 else u) - toward * body.friction
     for i in range(n):
-        total = body.vectors[vector + i] + body.vectors[ENTRY * n + i] * command
+        total = body.vectors[CONSTANT * n + i] + body.vectors[ENTRY * n + i] * command
         for j in range(n):
             total += body.matrices[matrix + i * n + j] * z[j]
         out[i] = total
@@ -97,7 +96,7 @@ def teeth_pull(z, at, u, side, body):
     """Acceleration of the motor without friction, on a flank or on none."""
     n = body.order
     matrix = (HELD if side == 0 else RATES) * n * n
-    total = body.vectors[(CONSTANT_HELD if side == 0 else CONSTANT) * n + 1]
+    total = body.vectors[CONSTANT * n + 1]
     if body.lag == 0.0:
         total += u
     for j in range(n):
@@ -155,17 +154,15 @@ def told(z, u, pad, side, toward, h, pace, twist, jerk, body):
         return True  # no torque changes, and teeth do not move against each other
     if toward == 0 and body.friction > 0.0:
         turning = stuck_told(z, u, pad, side, h, body)
-    elif toward != 0 and jerk == 0.0 and pad[1] == 0.0:
-        turning = True  # nothing changes the speed
-    elif toward != 0 and not keeps_sign(toward * z[1], toward * pad[1], jerk, h):
+    elif toward != 0 and jerk > 0.0 and not keeps_sign(toward * z[1], toward * pad[1], jerk, h):
         turning = abs(pad[1]) > jerk * h
     else:
-        turning = True
+        turning = True  # no turn is asked for, or none comes, or the speed changes evenly: it turns once at most
     if side != 0:
         slope = side * (body.pad_stiffness * pad[2] + body.pad_damping * pad[3])
         return turning and (keeps_sign(pressing(z, 0, side, body), slope, twist, h) or abs(slope) > twist * h)
     one, other = seen(z, pad, 1, h, pace, twist, body), seen(z, pad, -1, h, pace, twist, body)
-    return turning and one > 0 and other > 0 and one + other > 2
+    return turning and one + other > 2
 
 
 def teeth_over(z, at, side, body):
@@ -181,7 +178,7 @@ def over_now(pad, u, side, toward, body):
     `TURNED`: a turning point, or the release of a motor that friction holds; else `SPRUNG`.
     """
     n = body.order
-    if toward != 0 and pad[n + 1] * toward < 0.0:
+    if pad[n + 1] * toward < 0.0:
         return TURNED
     if toward == 0 and body.friction > 0.0 and abs(teeth_pull(pad, n, u, side, body)) > body.friction:
         return TURNED
@@ -251,7 +248,7 @@ def press(z, u, side, toward, left, fresh, body, pad):
         ended = over_now(pad, u, side, toward, body)
         if side != 0:
             carried = least_torque(z, pad, side, h, twist, body)
-        if ended > 0 and (clear or not fresh):
+        if ended > 0 and clear:
             for deeper in range(half + 1, HALVINGS):
                 teeth_rate(z, u, side, toward, body, pad)
                 stretch(z, pad, table + deeper, body)

@@ -1,14 +1,15 @@
 """Cells of states under every clock: successors hold every motion, and the graph is trimmed as another way does."""
 
 from collections.abc import Iterator
-from math import sqrt
+from fractions import Fraction
+from math import floor, sqrt
 from random import Random
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
-from hknob_cli.engine.general import every_clock
+from hknob_cli.engine.general import clock_cells, every_clock
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.clock_cells import (
     CAPTURED,
@@ -195,21 +196,181 @@ def test_roundings_are_bounded_by_the_size_of_all_terms() -> None:
             assert rests(x, 0.0, 0.0, 0.0, u, -1.0, Still(beta, drive), wall) == found
 
 
+def test_a_box_whose_motions_may_come_to_the_edge_does_not_rest() -> None:
+    """In exact numbers: a gap of 1/2, of which all but ``2 SLACK`` is the way, and that what roundings may add."""
+    wall = as_list(knob_of(with_clock(scene(), 0.3)).wall)
+    still, u = Still(1.0, SLACK), -0.5 - SLACK
+    for more, found in ((0.0, False), (2.0**-50, True)):
+        assert rests(-1.0 + 2.0 * SLACK + more, 0.0, 0.0, 0.0, u, -1.0, still, wall) == found
+
+
 def test_a_box_that_stays_comes_into_those_beside_it() -> None:
     """Its sides are theirs, and a rounding decides: a state on a side is in both."""
     wall = as_list(knob_of(with_clock(scene(), 0.3)).wall)._replace(kappa=0.0)
     parts = [0.0, 0.0, 1.0] * (2**LEVELS - 1 + HOLD)
     cells = Cells(0.25, 0.25, -8, -8, 16, 16, 1.0, True, parts, [0] * BOXES)
-    at = 5 * 16 + 6
-    assert reached(successors(at, cells, Still(1.0, 0.0), wall), cells) == {
-        at + column * 16 + row for column in (-1, 0, 1) for row in (-1, 0, 1)
-    }
+    for at in (5 * 16 + 6, 16 + 1, 14 * 16 + 14):  # up to the first and the last of a grid that no motion leaves
+        assert reached(successors(at, cells, Still(1.0, 0.0), wall), cells) == {
+            at + column * 16 + row for column in (-1, 0, 1) for row in (-1, 0, 1)
+        }
     for side in (5, 5 * 16, 5 * 16 + 15, 15 * 16 + 6):
         assert successors(side, cells, Still(1.0, 0.0), wall) == LEAVES
         inside = cells._replace(whole=False)
         there = reached(successors(side, inside, Still(1.0, 0.0), wall), inside)
         assert there <= set(range(16 * 16))
         assert len(there) == 6
+
+
+class Hand(NamedTuple):
+    """A box, and what moves it: numbers that a double and a fraction both hold."""
+
+    width: float
+    height: float
+    v: float  # in the middle of the box
+    alpha: float
+    beta: float
+    drive: float
+    shortest: float
+
+
+HANDS = (
+    # Boxes that are wide, and low: what positions add to speeds is seen to a 2^-24th. Then high and narrow ones.
+    Hand(1.0, 2.0**-24, 5.0, 4.0, 2.0, -2.0, 0.5),
+    Hand(1.0, 2.0**-24, -5.0, 0.5, 4.0, -7.0, 0.75),
+    Hand(2.0**-24, 1.0, 2.5, 3.0, 2.0, -1.0, 0.5),
+    Hand(2.0**-24, 1.0, -1.5, 2.0, 0.5, -6.0, 0.25),
+    # As few parts as will do: of the speed, and of its rate.
+    Hand(0.25, 1.0, 0.5, 0.25, 0.5, -2.5, 0.5),
+    Hand(1.0, 0.25, 0.125, 0.25, 0.5, -2.5, 0.5),
+    Hand(1.0, 1.0, 0.5, 0.25, 0.5, -2.5, 0.75),
+    Hand(1.0, 1.0, 6.5, 0.125, 0.125, -2.125, 0.5),  # 4 parts to the bit: half an interval at a speed of 8
+)
+
+
+def hull_in_fractions(hand: Hand, x: float, u: float, parts: list[float]) -> tuple[list[Any], tuple[Any, Any]]:
+    """In exact numbers: bounds on position and speed in each part of the interval, and on the position in a hold.
+
+    A state in the box is ``dx`` and ``dv`` from its middle. Within a hold the speed never exceeds that of the energy:
+    |f| and |s| are 1 at most. Taylor's formula about the middle of a part, with the second derivative's bound, holds
+    over half the part's length.
+    """
+    alpha, beta, v = Fraction(hand.alpha), Fraction(hand.beta), Fraction(hand.v)
+    dx, dv, at = Fraction(hand.width) / 2, Fraction(hand.height) / 2, Fraction(x)
+    force = Fraction(u) + Fraction(hand.drive)
+    y = force - beta * at
+    fast = abs(v) + dv + abs(y) + beta * dx
+    hard = abs(y) + beta * dx + (alpha + beta) * fast
+    jerk = beta * fast + alpha * hard
+    wide = (1 + abs(at) + fast + hard + abs(Fraction(u)) + abs(Fraction(hand.drive))) / 2**32
+    free = 1 - Fraction(hand.shortest)
+    need = free * max(fast / Fraction(hand.width), hard / Fraction(hand.height))
+    count = next(2**level for level in range(LEVELS) if 2**level >= need or level == LEVELS - 1)
+    found = []
+    for i in range(count):
+        s, g, f = map(Fraction, parts[3 * (count - 1 + i) : 3 * (count + i)])
+        half = free / count / 2
+        place, pace = at + s * v + g * y, f * v + s * y
+        off, more = abs(1 - beta * g) * dx + abs(s) * dv, beta * abs(s) * dx + abs(f) * dv
+        off += half * (abs(pace) + more) + half * half * hard
+        more += half * (abs(force - beta * place - alpha * pace) + beta * off + alpha * more) + half * half * jerk
+        found.append((place - off - wide, place + off + wide, pace - more - wide, pace + more + wide))
+    least, most, half = at - dx, at + dx, Fraction(1, 2 * HOLD)
+    for i in range(HOLD):
+        s, g, f = map(Fraction, parts[3 * (2**LEVELS - 1 + i) : 3 * (2**LEVELS + i)])
+        off = abs(1 - beta * g) * dx + abs(s) * dv + wide + half * half * hard
+        off += half * (abs(f * v + s * y) + beta * abs(s) * dx + abs(f) * dv)
+        least, most = min(least, at + s * v + g * y - off), max(most, at + s * v + g * y + off)
+    return found, (least, most)
+
+
+@pytest.mark.parametrize("hand", HANDS)
+@pytest.mark.parametrize("seed", range(3))
+def test_bounds_are_those_of_exact_numbers(hand: Hand, seed: int) -> None:
+    """Of any S, G and F: the boxes to the last, and where a hold goes."""
+    chance = Random(seed)
+    parts = [chance.randrange(-16, 17) / 16.0 for _ in range(3 * (2**LEVELS - 1 + HOLD))]
+    wall = as_list(knob_of(with_clock(scene(), 0.3)).wall)._replace(kappa=3.0)
+    left, low, rows = -(2**30), -(2**30), 2**31
+    cells = Cells(hand.width, hand.height, left, low, 2**31, rows, hand.shortest, False, parts, [0] * BOXES)
+    at = (floor(-0.5 / hand.width) - left) * rows + floor(hand.v / hand.height) - low
+    x, v = middle(at, cells)
+    body = Still(hand.beta, hand.drive, hand.alpha)
+    bounds, hold = hull_in_fractions(hand._replace(v=v), x, 3.0, parts)
+    assert successors(at, cells, body, wall) == len(bounds)
+    for i, (least, most, slowest, fastest) in enumerate(bounds):
+        assert cells.boxes[4 * i : 4 * i + 4] == [
+            floor(least / Fraction(hand.width)) - left,
+            floor(most / Fraction(hand.width)) - left,
+            floor(slowest / Fraction(hand.height)) - low,
+            floor(fastest / Fraction(hand.height)) - low,
+        ]
+    assert hold_range(at, cells, body, wall) == pytest.approx(tuple(map(float, hold)), rel=2.0**-49)
+
+
+@pytest.mark.parametrize("v", [0.5, -0.5])
+def test_a_hold_begins_in_its_box(v: float) -> None:
+    """One that comes out of it on one side at once: the other side is the box's own."""
+    parts = [2.0, 1.0, 1.0] * (2**LEVELS - 1 + HOLD)
+    cells = Cells(0.25, 0.25, -8, -8, 16, 16, 1.0, True, parts, [0] * BOXES)
+    at = 5 * 16 + floor(v / 0.25) + 8
+    x, _ = middle(at, cells)
+    wall = as_list(knob_of(with_clock(scene(), 0.3)).wall)._replace(kappa=0.0)
+    low, high = hold_range(at, cells, Still(1.0, x), wall)  # nothing pulls in the middle of the box
+    assert (low if v > 0.0 else high) == (x - 0.125 if v > 0.0 else x + 0.125)
+    assert low + 0.5 < high
+
+
+def made(graph: dict[int, list[int]], monkeypatch: pytest.MonkeyPatch) -> Cells:
+    """A row of ten boxes with these successors."""
+    cells = Cells(1.0, 1.0, 0, 0, 10, 1, 1.0, True, [], [0] * BOXES)
+
+    def follow(at: int, cells: Cells, body: Any, wall: Any) -> int:
+        for i, then in enumerate(graph[at]):
+            cells.boxes[4 * i : 4 * i + 4] = [then, then, 0, 0]
+        return len(graph[at])
+
+    monkeypatch.setattr(clock_cells, "successors", follow)
+    return cells
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize(
+    ("queue", "spans", "widest"),
+    [
+        # Two circles, 1 and 2, 5 and 6, which lead to 3, where nothing stays: they are not connected.
+        ([1, 2, 5, 6], {1: (0.0, 0.5), 2: (-0.25, 0.25), 5: (10.0, 10.5), 6: (10.125, 10.375)}, 0.75),
+        ([1, 2, 5, 6], {1: (0.0, 5.0), 2: (-3.0, 2.0), 5: (10.0, 13.0), 6: (11.0, 12.0)}, 8.0),
+        ([5, 6, 1, 2], {1: (0.0, 1.0), 2: (0.5, 2.0), 5: (10.0, 13.0), 6: (11.0, 12.0)}, 3.0),
+    ],
+)
+def test_the_widest_range_is_that_of_what_is_connected(
+    queue: list[int],
+    spans: dict[int, tuple[float, float]],
+    widest: float,
+    *,
+    turned: bool,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    cells = made({1: [2, 3], 2: [1, 3], 5: [6, 3], 6: [3, 5]}, monkeypatch)
+    if turned:
+        spans = {at: (-high, -low) for at, (low, high) in spans.items()}
+    monkeypatch.setattr(clock_cells, "hold_range", lambda at, *_: spans[at])
+    for order in (queue, queue[::-1], [queue[1], queue[0], *queue[2:]]):
+        state = [THERE if at in queue else UNSEEN for at in range(10)]
+        room = [[0.0] * 4, [0.0] * 4]
+        assert widest_range(state, order, 4, [0] * 10, [0] * 10, *room, cells, None, None) == widest
+
+
+def test_what_a_motion_has_left_takes_nothing_along(monkeypatch: pytest.MonkeyPatch) -> None:
+    """1 leads to 3, which is no cell of motions that go on, and so is not asked where it leads: 5 and 6 are left."""
+    for outside in (UNSEEN, RESTS):
+        cells = made({1: [3], 3: [5], 5: [6], 6: [5]}, monkeypatch)
+        state = [outside if at == 3 else THERE if at in (1, 5, 6) else UNSEEN for at in range(10)]
+        queue: list[Any] = [1, 5, 6, *[9] * 3]
+        still: Any = Still(1.0, 0.0)
+        assert trim_cells(state, queue, 3, [0] * 10, cells, still, None) == (2, 4)
+        assert queue[:2] == [5, 6]
+        assert [at for at in range(10) if state[at] == THERE] == [5, 6]
 
 
 def graph_of(knob: GeneralKnob, cells: Cells, begun: list[int]) -> dict[int, set[int]]:
@@ -266,19 +427,53 @@ def follow_cells(
 PLAIN: dict[str, Any] = {f"general.{one.__name__}": one for one in (reach_cells, trim_cells, widest_range)}
 
 
-@pytest.mark.parametrize("bias", [1e-3, 1.8e-3])
+@pytest.mark.parametrize("bias", [1e-3, 1.8e-3, 2.2e-3])
 def test_the_graph_is_trimmed_as_another_way_does(bias: float) -> None:
     """What is reached, what is left, and the widest range of what is connected."""
     knob, cells, begun = ringed(bias)
     edges = graph_of(knob, cells, begun)
     there = recurrent({at: {one for one in then if edges[one]} for at, then in edges.items() if then})
     assert len(edges) > 100
+    assert any(not then for then in edges.values()) == (bias == 2.2e-3)
     found, resting, left, widest = follow_cells(PLAIN, knob.body, knob.wall, cells, begun)
     assert set(found.tolist()) == set(edges)
     assert set(resting.tolist()) == {at for at, then in edges.items() if not then}
     assert set(left.tolist()) == there
     assert widest == connected_range(knob, cells, edges, there)
     assert (widest > 0.0) == bool(there)
+
+
+@pytest.mark.parametrize("bias", [1.8e-3, 2.2e-3])
+def test_visits_are_counted_and_limited(bias: float) -> None:
+    """A visit is a cell of a box of successors; what lies in the queue behind those that are filled is not read."""
+    knob, cells, begun = ringed(bias)
+    edges = graph_of(knob, cells, begun)
+    there = recurrent({at: {one for one in then if edges[one]} for at, then in edges.items() if then})
+    areas: dict[int, int] = {}
+    for at, then in edges.items():
+        count = successors(at, cells, knob.body, knob.wall) if then else 0
+        boxes = [cells.boxes[4 * i : 4 * i + 4] for i in range(count)]
+        areas[at] = sum((last - first + 1) * (over - under + 1) for first, last, under, over in boxes)
+    whole, size = sum(areas.values()), cells.columns * cells.rows
+
+    def reach(most: int, halt: float = 0.0) -> tuple[int, int, list[int], list[int]]:
+        state, queue = [UNSEEN] * size, [next(iter(there))] * (2 * size)
+        state[begun[0]], queue[0] = THERE, begun[0]
+        body = knob.body._replace(halt=[halt])
+        return *reach_cells(state, queue, 1, most, cells, body, knob.wall), state, queue
+
+    filled, visits, state, queue = reach(whole)
+    assert (filled, visits) == (len(edges), whole)
+    before = whole - areas[queue[filled - 1]]  # the last is asked for its successors after so many
+    assert reach(before)[:2] == (len(edges), whole)
+    assert reach(before - 1)[:2] == (-1, before)
+    assert reach(whole, 0.5)[:2] == (-1, 0)
+    halted = knob.body._replace(halt=[0.5])
+    assert trim_cells(state, list(queue), filled, [0] * size, cells, halted, knob.wall) == (-1, 0)
+    gone = sum(areas[at] for at in edges if at not in there)
+    kept, visits = trim_cells(state, queue, filled, [0] * size, cells, knob.body, knob.wall)
+    assert (kept, visits) == (len(there), whole + gone)
+    assert set(queue[:kept]) == there
 
 
 def connected_range(knob: GeneralKnob, cells: Cells, edges: dict[int, set[int]], there: set[int]) -> float:
@@ -309,7 +504,7 @@ def test_a_grid_that_motions_leave_says_so() -> None:
     assert successors(cells.rows - 1 + (cells.columns - 1) * cells.rows, cells, body, wall) == LEAVES
     state, queue = [0] * size, [0] * (2 * size)
     state[at], queue[0] = THERE, at
-    filled, visits = reach_cells(state, queue, 1, 10, cells, body, wall)
+    filled, visits = reach_cells(state, queue, 1, 10**9, cells, body, wall)
     assert filled == -1
     assert visits < 1000
 
@@ -328,3 +523,20 @@ def test_starts_hold_the_first_sample_at_any_time() -> None:
         assert part.left <= x <= part.right
         assert part.low <= v <= part.high
     assert every_clock.start_region([[0.0, -1.0], [2.0, 3.0]]) == [every_clock.Region(0.0, 2.0, -1.0, 3.0)]
+
+
+@pytest.mark.parametrize("rounding", ["floor", "ceil"])
+def test_a_start_on_a_counts_edge_is_in_the_boxes_of_both_sides(rounding: str) -> None:
+    """Whichever way the encoder rounds, one of them has the command of that very state."""
+    knob = knob_of(with_clock(scene(encoder={"rounding": rounding}), 0.2))
+    seen = []
+
+    def note(state: Any, queue: Any, filled: int, most: int, cells: Cells, body: Body, wall: Controller) -> Any:
+        seen.append({middle(at, cells)[0] // 1.0 for at in queue[:filled].tolist()})
+        assert float(read(-2.0, wall)) in {float(read(count + 0.5, wall)) for count in seen[-1]}
+        return -1, 0
+
+    bound = every_clock.ClockBound(dict(PLAIN, **{"general.reach_cells": note}), knob.body, knob.wall)
+    region = every_clock.start_region([[-2.0, 0.01], [-1.5, 0.02]])
+    assert bound.range(region) is None
+    assert seen == [{-3.0, -2.0}] * every_clock.TRIES

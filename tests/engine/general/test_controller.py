@@ -40,6 +40,7 @@ def test_reading(changes: dict[str, float], x: float, shown: float) -> None:
         ({}, 0.0, -1.0, 0.0),
         ({}, 4.0, -1.0, 0.0),
         ({"offset": 0.25}, -3.0, -3.0, 5.5),
+        ({"offset": 0.25}, 0.0, 0.0, 0.0),
         ({"damping": 0.5}, -3.0, -1.0, 7.0),  # 6 - 0.5 (-3 + 1): pushes out while it goes in
         ({"damping": 0.5}, -3.0, -5.0, 5.0),
         ({"damping": 4.0}, -1.0, -3.0, -6.0),  # pulls in: the wall is not one-sided

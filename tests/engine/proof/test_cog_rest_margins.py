@@ -3,6 +3,8 @@
 from fractions import Fraction
 from math import nextafter, sqrt
 from random import Random
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -11,6 +13,9 @@ from hknob_cli.engine.general import cog_rest, cogging
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.cog_rest import is_carried, keeps_to_slope, settles_free, stays_on_slope, zone_on
 from hknob_cli.engine.general.cogging import hold_stiffness, middle_of, own_stiffness
+from hknob_cli.engine.general.laws import rest as law_rest
+from hknob_cli.engine.general.laws.rest import settles_with_law
+from hknob_cli.engine.general.standstill import SETTLING, settles
 from hknob_cli.engine.rest import AT_REST, MOVING, REST_ON_EDGE, RINGS
 
 from .test_standstill_margins import FINGER, WALL, body
@@ -325,6 +330,30 @@ def test_a_knob_is_compared_with_the_nearest_place_that_friction_holds(exact: py
     # A balance beyond the corner, and friction that reaches it.
     assert keeps([-16.75, 0.0], BALANCE + 4.5, RUBBING, shown=-17.0)[0]
     assert not keeps([-16.5 - 2.0**-40, 0.0], BALANCE + 5.0, RUBBING, shown=-17.0)[0]
+
+
+@pytest.mark.parametrize("under_a_law", [False, True])
+def test_a_trial_rests_by_these_proofs(exact: pytest.MonkeyPatch, *, under_a_law: bool) -> None:
+    """Beside the wall's torque of 21, and beside that of a law, which comes to an end and is known."""
+    one = KNOB._replace(push=21.0 - BALANCE + 0.5, drive=-(21.0 - BALANCE + 1.0))
+    exact.setattr(law_rest, "settled_torque", lambda *_: (True, 21.0, 0.0, 0.0))
+    law: Any = SimpleNamespace(watch=WALL)
+
+    def told(z: list[float], friction: float) -> int:
+        body, orbit, away = one._replace(friction=friction), [7.0] * 2, [7.0] * 2
+        if under_a_law:
+            return int(settles_with_law(z, -21.0, [], body, WALL, law, orbit, away))
+        fate, gap = settles(z, -21.0, -21.0, [], body, WALL, orbit, away)
+        assert gap == 0.5 or z[0] != -20.5
+        return int(fate)
+
+    for v, fate in ((0.5, MOVING), (nextafter(0.5, 0.0), AT_REST), (-0.5, MOVING)):
+        assert told([-20.5, v], 0.0) == fate
+    for v, fate in ((0.501, MOVING), (0.499, SETTLING), (-0.501, MOVING), (-0.499, SETTLING)):
+        assert told([-20.5, v], 0.25) == fate
+    # A quarter of a count off, a hand of a quarter and cogging of three pull together by a quarter.
+    for friction, fate in ((0.25, AT_REST), (nextafter(0.25, 0.0), SETTLING), (0.2, SETTLING)):
+        assert told([-20.25, 0.0], friction) == fate
 
 
 def test_a_zone_that_ends_at_a_corner_ends_there(exact: pytest.MonkeyPatch) -> None:

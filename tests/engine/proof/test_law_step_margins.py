@@ -11,6 +11,7 @@ from hknob_cli.engine.general.laws import step
 from hknob_cli.engine.general.laws.law import LOOK, MATRIX, PIECE, SPAN, TORQUE, F, G, S
 from hknob_cli.engine.general.laws.step import (
     FREE,
+    advance_jittering_with_law,
     advance_with_law,
     begin_past,
     chart_with_law,
@@ -22,7 +23,7 @@ from hknob_cli.engine.general.laws.step import (
 )
 
 
-def wall_of(**more: float) -> Controller:
+def wall_of(**more: Any) -> Controller:
     return Controller(0.25, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, inf, 0.0)._replace(**more)
 
 
@@ -226,6 +227,65 @@ def test_a_chart_is_that_of_all_pieces(monkeypatch: pytest.MonkeyPatch, look: in
 
 
 WIDE = wall_of(hysteresis=0.5)
+
+
+def clock_by_hand(spans: list[float], begun: list[float], monkeypatch: pytest.MonkeyPatch) -> str:
+    """A clock whose intervals are written down; ``begun`` has the trials that it was set to."""
+    left = list(spans)
+
+    def begin(clock: Any, trial: float) -> None:
+        assert clock == "clock"
+        begun.append(trial)
+
+    monkeypatch.setattr(step, "begin_clock", begin)
+    monkeypatch.setattr(step, "next_span", lambda clock: left.pop(0) if clock == "clock" else 1.0)
+    monkeypatch.setattr(step, "meant_pace", lambda speed, clock: 3.0 * speed if clock == "clock" else speed)
+    return "clock"
+
+
+@pytest.mark.parametrize("wide", [0.0, 0.5, 1.25])
+@pytest.mark.parametrize("look", [-1, 0, 3])
+def test_an_interval_of_a_clock_that_jitters_has_longer_or_shorter_pieces(
+    monkeypatch: pytest.MonkeyPatch, look: int, wide: float
+) -> None:
+    """All by the same factor, three quarters; the law decides by the speed over the interval that is meant."""
+    told: list[Any] = []
+
+    def move(z: Any, u: float, span: float, *rest: Any) -> None:
+        told.append((u, span, *rest))
+        z[0] -= 1.0
+
+    def count(z: Any, u: float, span: float, shown: float, body: Any, wall: Any, pad: Any) -> tuple[float, float]:
+        move(z, u, span, body, pad)
+        return shown - 1.0, 9.0
+
+    monkeypatch.setattr(step, "decide", lambda shown, speed, *_: told.append((shown, speed)) or 7.0)
+    monkeypatch.setattr(step, "advance_span", move)
+    monkeypatch.setattr(step, "turn_and_count", count)
+    law, z, past, begun = law_of(sched=pieces()), [-2.5, 0.125], list(PAST), list[float]()
+    law.sched[PIECE + LOOK] = float(look)
+    wall = wall_of(hysteresis=wide, clock=clock_by_hand([0.75], begun, monkeypatch))
+    assert advance_jittering_with_law(z, past, "body", wall, law, "pad") == 7.0
+    shown = read_after(-2.5, -4.0, wall)
+    assert told == [(shown, 0.375), (3.0, 0.375, "body", "pad"), (4.0, 1.125, "body", "pad")]
+    expected, last = list(PAST), shown - 2.0 if wide else -4.0
+    expected[3] = last
+    if look >= 0:
+        expected[look] = read_after(-4.5, last, wall)
+    assert (z[0], past, begun) == (-4.5, expected, [])
+
+
+def test_a_chart_under_a_clock_that_jitters_is_that_of_the_trial_before_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Number -1; its intervals one after the other, and all pieces as long as they."""
+    told: list[Any] = []
+    begun: list[float] = []
+    monkeypatch.setattr(step, "decide", lambda *_: 7.0)
+    monkeypatch.setattr(step, "chart", lambda z, u, span, *rest: told.append(span) or rest[2] + 1)
+    wall: Any = wall_of(clock=clock_by_hand([0.75, 0.5], begun, monkeypatch))
+    law = law_of(sched=pieces())
+    assert chart_with_law([-2.5, 0.125], list(PAST), 2, "body", wall, law, "pad", "pieces") == 4
+    assert told == [0.375, 1.125, 0.25, 0.75]
+    assert begun == [-1.0]
 
 
 @pytest.mark.parametrize("look", [-1, 0])

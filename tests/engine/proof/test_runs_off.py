@@ -54,3 +54,14 @@ def test_whatever_holds_it_holds_it() -> None:
     assert not leaves(knob(hand=Hand(3e-7, 0.0, 1e-6)), 40.5, 1.0, 1.0)
     assert not leaves(knob(actuator=Actuator(time_constant=1e-3)), 40.5, 1.0, 1.0)
     assert not leaves(knob(profile=None), 40.5, 1.0, 1.0)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_cogging_counts_by_its_largest_torque(way: float) -> None:
+    """Beside friction: a place of rest holds the knob wherever it is."""
+    level = knob(friction=5e-4).body.friction
+    for one, most in ((knob(), 3.0), (knob(friction=5e-4), 3.0 + level)):
+        held = one._replace(body=one.body._replace(cogs=[0.75, 8.0, -20.5, 3.0, 0.75**0.5, 28.5]))
+        assert not leaves(held, 40.5 * way, way, most * way)
+        assert leaves(held, 40.5 * way, way, most * 1.000001 * way)
+        assert leaves(one, 40.5 * way, way, most * way)

@@ -369,3 +369,7 @@ def test_a_winding_that_nothing_springs_back_is_not_said_to_rest() -> None:
     free = body(alpha=2.0, beta=0.0)
     assert fate([3.25, 1.0], free)[0] == AT_REST
     assert fate([3.5, 0.01, 0.0], free._replace(order=3, coil=0.5))[0] == MOVING
+    # Without damping it would neither go on as it goes, nor stand: the winding's current turns it.
+    loose = body(alpha=0.0, beta=0.0)._replace(order=3, coil=0.5, reach=inf)
+    for z in ([3.25, 1.0, 0.0], [3.25, 0.0, 0.5]):
+        assert fate(z, loose)[0] == MOVING

@@ -4,7 +4,7 @@ from hknob_cli.engine.general.advance import advance_hold, advance_span, rub_man
 from hknob_cli.engine.general.cogging import has_cogs
 from hknob_cli.engine.general.controller import read_after, send
 from hknob_cli.engine.general.hysteresis import turn_and_count
-from hknob_cli.engine.general.jitter import begin_clock, jitters, meant_pace, next_span
+from hknob_cli.engine.general.jitter import begin_clock, meant_pace, next_span
 from hknob_cli.engine.general.laws.law import LOOK, MATRIX, PIECE, SPAN, TORQUE, F, G, S
 from hknob_cli.engine.general.slide_two import step_with_friction
 from hknob_cli.engine.general.slopes import cog_many
@@ -161,12 +161,11 @@ def chart_with_law(z, past, period, body, wall, law, pad, pieces):
     begin_clock(wall.clock, -1.0)
     for _ in range(period):
         sense(z[0], z[1], past, wall, law)
-        length = next_span(wall.clock) if jitters(wall.clock) else 1.0
+        length = next_span(wall.clock)
         for piece in range(law.pieces):
             at, begun = piece * PIECE, rows
             u = past[int(law.sched[at + TORQUE])]
-            span = length * law.sched[at + SPAN] if jitters(wall.clock) else law.sched[at + SPAN]
-            rows = chart(z, u, span, body, pad, rows, pieces)
+            rows = chart(z, u, length * law.sched[at + SPAN], body, pad, rows, pieces)
             if wall.hysteresis > 0.0:
                 for row in range(begun, rows):
                     past[law.line - 1] = read_after(pieces.states[row * body.order], past[law.line - 1], wall)

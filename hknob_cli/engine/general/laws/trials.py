@@ -89,11 +89,9 @@ def enter_with_law(fate, period, trial, body, wall, law):
                 copy_to(past, law.periodic)
         elif fate == CYCLE_PROVEN or status == DIFFERENT:
             fate = fate_of(status, law)
-    if cycle and not is_cycle_of_law(fate):
-        cycle, period = False, 0
-        margin, edge, closure, bound = 0.0, 0.0, 0.0, 0.0
-        fate = UNSETTLED
-        row = find(fate, period, z, shown, rows, table, states, n)
+            if not is_cycle_of_law(fate):
+                fate, period, margin, edge, closure, bound = UNSETTLED, 0, 0.0, 0.0, 0.0, 0.0
+            row = find(fate, period, z, shown, rows, table, states, n)
     if body.halt[0] > 0.0:
         return -1
     if row == len(table) // FIELDS:
