@@ -108,6 +108,20 @@ def pass_over(z, before, ring, head, samples, limit, body, wall, pad):
     return before, head
 
 
+def move_columns(z, older, u, body, wall, pad, cols, count, width, marks):
+    """Move ``z`` and its columns over an interval: under ``older`` up to the split, then under ``u``."""
+    parts = 2 if wall.split > 0.0 else 1
+    for part in range(parts):
+        # The part under the older command, if there is one, and the rest.
+        first = part < parts - 1
+        span = wall.split if first else 1.0 - wall.split
+        s = body.s1 if first else body.s2
+        g = body.g1 if first else body.g2
+        f = body.f1 if first else body.f2
+        at = width * width if first else width * width + width
+        rub_columns(z, older if first else u, span, s, g, f, body, pad, cols, at, count, width, marks)
+
+
 def advance_columns(z, before, ring, head, body, wall, pad, cols, count, width, marks):
     """Like `advance`, with ``count`` columns of derivatives, ``width`` apart, and `rub_columns`'s ``marks``.
 
@@ -123,14 +137,5 @@ def advance_columns(z, before, ring, head, body, wall, pad, cols, count, width, 
         ring[head] = u
         head = (head + 1) % delay
         u = ring[head]
-    parts = 2 if wall.split > 0.0 else 1
-    for part in range(parts):
-        # The part under the older command, if there is one, and the rest.
-        first = part < parts - 1
-        span = wall.split if first else 1.0 - wall.split
-        s = body.s1 if first else body.s2
-        g = body.g1 if first else body.g2
-        f = body.f1 if first else body.f2
-        at = width * width if first else width * width + width
-        rub_columns(z, older if first else u, span, s, g, f, body, pad, cols, at, count, width, marks)
+    move_columns(z, older, u, body, wall, pad, cols, count, width, marks)
     return shown, head
