@@ -15,7 +15,7 @@ def gear_contradictions(scene: SceneSpec, axes: Axes) -> Iterator[tuple[Place, s
     if gear is None:
         return
     for name in OVER_ANGLE:
-        if getattr(scene, name):
+        if getattr(scene, name) and scene.encoder != "none":
             text = "must be absent where 'gear' is given: a turn of the knob need not be a whole number of counts"
             yield ("scene", name), text
     if gear.stiffness is None and "gear.stiffness" not in axes:

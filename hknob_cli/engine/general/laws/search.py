@@ -1,7 +1,7 @@
 """What the trials of a cell under a law settle to: `general.search.GeneralEngine` with the law's own loop."""
 
 from collections.abc import Callable
-from math import inf
+from math import inf, nan
 from typing import Any
 
 import numpy as np
@@ -74,6 +74,8 @@ class LawEngine(GeneralEngine):
         self, state: Any, before: float, past: Any, samples: int, body: Any, wall: Any, space: Any
     ) -> float:
         del before
+        if wall.analog > 0.0:
+            return nan  # what a law remembers of a continuous sensor's readings parts, too
         return float(self._rate(state, past, samples, body, wall, self._law, space))
 
     def _chart_with_law(
