@@ -185,8 +185,12 @@ def within(before, ring, head, period, body, wall, space, m):
         before, head = advance_columns(
             space.state, before, space.line, head, body, wall, space.pad, space.cols, m, width, space.marks
         )
-        if stays and not far_between_samples(body, space, m) < room_left(body, space):
-            return False, bound
+        if stays:
+            far = far_between_samples(body, space, m)
+            if bends(wall) > 0.0:  # all numbers may be off by as much again (`bent`), and the command by what it bends
+                far = 2.0 * far + reach_on(body.cogs, space.orbit[0], body) * bends(wall) * (2.0 * reach) ** 2
+            if not far < room_left(body, space):
+                return False, bound
     return True, bound
 
 
@@ -308,7 +312,8 @@ def certify(z, before, ring, head, period, body, wall, space):
     if curved:
         for i in range(m):
             off = max(off, abs(space.residual[i]))
-        known = period <= len(space.trail) and body.play == 0.0 and not has_cogs(body.cogs)
+        # Of a motion beside cogging all numbers are bounded at the start of a period alone.
+        known = period <= len(space.trail) and (period == 1 or not (body.play > 0.0 or has_cogs(body.cogs)))
         if not known or not growth_bound(space.cols, width, space.power, space.spare, space.total, m, scale):
             return EXPANDS, margin, edge, closure, bound
     if not bound_growth(space, m, scale, period):
