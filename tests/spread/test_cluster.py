@@ -16,9 +16,7 @@ gc.collect()
 
 def said(hush: str) -> str:
     """What a process prints whose loop ends with a question that it has not asked yet."""
-    asked = subprocess.run(
-        [sys.executable, "-c", UNASKED.format(hush=hush)], capture_output=True, text=True, timeout=60
-    )
+    asked = subprocess.run([sys.executable, "-c", UNASKED.format(hush=hush)], capture_output=True, text=True, timeout=60)
     return asked.stderr
 
 

@@ -1,4 +1,4 @@
-"""Torque over the angle of a continuous sensor against the 60-digit model: every sample, proven orbits, and their proof.
+"""Torque over the angle of a continuous sensor against the 60-digit model: samples, proven orbits, and their proof.
 
 Two motions with the same counts get the same torques; here every rounding is followed by the torque, and may grow. So
 the bounds of `test_general_trajectory` are widened by as much as a small change of the model's own states grows. A

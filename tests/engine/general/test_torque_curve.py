@@ -1,5 +1,6 @@
-"""The curve of torque over the angle against the 60-digit words of its parts, and its rooms against what lies in them."""
+"""The curve of torque over the angle against the 60-digit words of its parts, and its rooms against their insides."""
 
+from itertools import pairwise
 from math import inf
 from random import Random
 from typing import Any
@@ -137,15 +138,15 @@ def test_only_sine_detents_bend() -> None:
 def test_a_place_is_higher_the_further_up(seed: int) -> None:
     knob, _, _, angles = tried(seed)
     places = [place_at(x, knob.wall.curve) for x in sorted(angles)]
-    assert all(one <= other for one, other in zip(places, places[1:], strict=False))
+    assert all(one <= other for one, other in pairwise(places))
 
 
 def test_detents_are_a_place_each() -> None:
     curve = made({"detents": {"per_revolution": 12, "torque": 0.01}}).wall.curve
     spacing = 1000.0 * 2.0 * np.pi / 12
-    assert [place_at(spacing * (n + part), curve) - place_at(0.0, curve) for n in (-2, 0, 3) for part in (-0.4, 0.4)] == [
-        -2, -2, 0, 0, 3, 3
-    ]  # fmt: skip
+    for n in (-2, 0, 3):
+        for part in (-0.4, 0.4):
+            assert place_at(spacing * (n + part), curve) - place_at(0.0, curve) == n
 
 
 def test_without_a_curve_there_is_none() -> None:
