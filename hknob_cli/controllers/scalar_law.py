@@ -100,9 +100,13 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int | None)
 
 
 def _watched(wall: Controller, *, outside: bool) -> Controller:
-    """The wall whose edges change a command, as `Law.watch` has it; of a continuous sensor the wall's edge alone."""
+    """The wall whose edges change a command, as `Law.watch` has it.
+
+    Those of a continuous sensor are the wall's edge, and the knees of a torque over the angle.
+    """
     if wall.analog > 0.0:
-        return wall._replace(kappa=0.0, damping=0.0, step=0.0, limit=inf, band=0.0)
+        kappa = 0.0 if wall.curve is None else wall.kappa
+        return wall._replace(kappa=kappa, damping=0.0, step=0.0, limit=inf, band=0.0)
     return wall._replace(damping=1.0 if outside else 0.0)
 
 

@@ -30,6 +30,7 @@ CELLS = (*MOTION, "budget", *ORBIT, "cells")
 GENERAL = (
     *MOTION,
     "general.torque_table",
+    "general.torque_curve",
     "general.jitter",
     "general.controller",
     "general.body",
@@ -45,6 +46,7 @@ GENERAL = (
     "general.interval",
     "general.parting",
     "general.powers",
+    "general.bent",
     "general.period_map",
     "general.inner_region",
     "general.cog_rest",

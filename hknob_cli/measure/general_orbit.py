@@ -144,7 +144,8 @@ class GeneralMeasurer:
         travel = float(np.abs(np.diff(x))[chart.modes != 0.0].sum())
         lagging = body.lag > 0.0
         work = totals.power if lagging else float(((chart.commands - chart.commands.mean()) * np.diff(x)).sum())
-        leak = None if lagging or wall.table is not None or wall.hysteresis > 0.0 else self._leak(x, chart.commands)
+        shaped = wall.table is not None or wall.curve is not None
+        leak = None if lagging or shaped or wall.hysteresis > 0.0 else self._leak(x, chart.commands)
         energy = knob.energy_j
         return OrbitMeasures(
             cycles=cycles,

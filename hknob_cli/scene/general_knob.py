@@ -14,6 +14,7 @@ from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.torque_table import HEAD, RISE_BELOW, TURN
 from hknob_cli.errors import ComputationError
 from hknob_cli.scene.general_body import make_body, turns_of
+from hknob_cli.scene.torque_curve import curve_of
 from hknob_cli.scene.torque_over_angle import Clock, is_shaped, table_of
 from hknob_cli.specs.parts import SampleClock
 from hknob_cli.specs.plan import Actuator, Encoder, Hand, Scene
@@ -91,10 +92,12 @@ def sample_general(
     split = float(actuator.delay_samples - whole)
     kappa = scene.wall.stiffness * square
     offset = encoder.offset_counts if scene.encoder else 0.0
-    table = None
-    if is_shaped(scene):
+    table, curve = None, None
+    if is_shaped(scene) and scene.encoder is None:
+        curve = curve_of(scene, quantum_rad=quantum, unit_nm=quantum / square)
+    elif is_shaped(scene):
         if counts_per_rev is None:
-            raise ComputationError("a torque over the angle needs counts: with a continuous sensor it is not followed")
+            raise ComputationError("a torque over the angle needs an encoder's counts, or a continuous sensor")
         clock, apart = Clock(counts_per_rev, quantum, offset), 0.0 if walled else kappa
         table = table_of(scene, clock, kappa=kappa - apart, unit_nm=quantum / square)
         kappa = apart - float(table[RISE_BELOW] / table[TURN])
@@ -112,11 +115,13 @@ def sample_general(
         band=actuator.dead_band * square / quantum,
         hysteresis=encoder.width_counts(quantum) if scene.encoder else 0.0,
         clock=_clock(scene.clock) if scene.clock and jitter > 0.0 else None,
+        curve=curve,
     )
     if walled and wall.hysteresis > 0.0 and wall.damping > 0.0:
         raise ComputationError("virtual damping beside hysteresis of the encoder is followed under a law")
     body, slowest = make_body(scene, period=period, quantum=quantum, shift=shift, split=split)
     commands = [] if table is None else table[HEAD : HEAD + (len(table) - HEAD) // 3].tolist()
+    commands += [] if curve is None else curve[~np.isinf(curve)].tolist()
     numbers = [*wall[: wall._fields.index("limit")], wall.band, *commands, body.friction, body.push, body.play]
     numbers += [*body.matrices, *body.vectors, *(body.cogs or [])]
     if not all(isfinite(value * value) for value in numbers):

@@ -13,7 +13,6 @@ from typing import NamedTuple
 from hknob_cli.specs.capability_reasons import AT as AT
 from hknob_cli.specs.capability_reasons import BESIDE
 from hknob_cli.specs.capability_reasons import WHY as WHY
-from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.parts_there import parts_of as parts_of
 from hknob_cli.specs.plan import Scene, Starts
 
@@ -247,11 +246,6 @@ EXCEPTIONS = {
     **{
         (part, "speed_sensor", "laws"): (EXACT, "how far motions part between samples is not bounded")
         for part in ("hysteresis", "backlash")
-    },
-    **{
-        ("bare", name, column): (REFUSED, "its torque is a table with a row for each count")
-        for column in ("general", "laws")
-        for name in OVER_ANGLE
     },
     ("bare", "by_counts", "laws"): (REFUSED, "there is no count to be worth so much, to change, or to be rounded to"),
 }

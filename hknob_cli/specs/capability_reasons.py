@@ -98,19 +98,13 @@ WHY = {
     **{("undamped", column): "nothing contracts" for column in _OF_ONE_START_OR_RANGES},
     **{("unheld", column): "no energy bounds how far motions part" for column in _OF_ONE_START_OR_RANGES},
 }  # fmt: skip
-_BESIDE_JITTER = {
-    "bare": "what brings the knob to rest beside it is known only of intervals that are alike",
-}
 _BESIDE_COGGING = {
-    "bare": "what is shown of a torque that follows the motion is of one linear motion, without corners",
     "play": "teeth are followed from flank to flank, without corners of another torque",
     "squeeze": "the grip's balance leaves it out",
 }
 _LOOPS = ("general", "laws")
 # Pairs of parts that are refused by loops that take each of the two.
 BESIDE = {
-    **{("bare", "play", at): "what is proven of teeth on one flank rests on counts" for at in _LOOPS},
-    **{("jitter", part, at): why for part, why in _BESIDE_JITTER.items() for at in _LOOPS},
     **{("cogging", part, at): why for part, why in _BESIDE_COGGING.items() for at in _LOOPS},
 }
 # Refusals whose fault stands at what is asked for, not at the part of the scene.

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 
-from hknob_cli.specs.capabilities import EXCEPTIONS, PARTS
 from hknob_cli.specs.controller import MODELLED
 from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.part import Place
@@ -16,7 +15,7 @@ def gear_contradictions(scene: SceneSpec, axes: Axes) -> Iterator[tuple[Place, s
     if gear is None:
         return
     for name in OVER_ANGLE:
-        if getattr(scene, name):
+        if getattr(scene, name) and scene.encoder != "none":
             text = "must be absent where 'gear' is given: a turn of the knob need not be a whole number of counts"
             yield ("scene", name), text
     if gear.stiffness is None and "gear.stiffness" not in axes:
@@ -46,6 +45,3 @@ def gear_contradictions(scene: SceneSpec, axes: Axes) -> Iterator[tuple[Place, s
             ("scene", "hand", "finger"),
             f"must be absent {where}: motor and knob are the two bodies that are followed",
         )
-    if scene.encoder == "none" and any(axes.get("gear.backlash", [gear.backlash])):
-        place = ("grid", "gear.backlash") if "gear.backlash" in axes else ("scene", "gear", "backlash")
-        yield place, f"must be 0 beside {PARTS['bare'].title}: {EXCEPTIONS['bare', 'play', 'general'][1]}"

@@ -3,7 +3,6 @@
 from collections.abc import Iterator
 from math import pi
 
-from hknob_cli.specs.capabilities import EXCEPTIONS, PARTS
 from hknob_cli.specs.over_angle import OVER_ANGLE, Detents, EndStops, ways_round
 from hknob_cli.specs.part import Place
 from hknob_cli.specs.plan import COUNTS, Axes
@@ -18,9 +17,6 @@ def over_angle_contradictions(scene: SceneSpec, axes: Axes) -> list[tuple[Place,
     if not there:
         return []
     found: list[tuple[Place, str]] = []
-    if scene.encoder == "none":
-        why = EXCEPTIONS["bare", there[0], "general"][1]
-        found.append((("scene", "encoder"), f"must not be none beside {PARTS[there[0]].title}: {why}"))
     if scene.bias and scene.bias.half_quantum and max(axes.get("wall.stiffness", [scene.wall.stiffness])) == 0.0:
         found.append(
             (("scene", "bias", "half_quantum"), "must be absent without a wall: it is half the step of its torque")

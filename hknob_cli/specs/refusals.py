@@ -154,20 +154,16 @@ def _of_jitter(scene: SceneSpec, axes: Axes) -> Faults:
     if not (places := given(scene, axes, PARTS["jitter"].path)):
         return []
     delays = axes.get("actuator.delay_samples", [scene.actuator.delay_samples if scene.actuator else 0.0])
-    found: Faults = []
-    if any(delay % 1.0 for delay in delays):
-        found.append((places[0], "must be 0 beside a delay by a part of a sample: intervals are not of one length"))
-    if scene.encoder == "none":
-        found.append((places[0], f"must be 0 beside {PARTS['bare'].title}: {BESIDE['jitter', 'bare', 'general']}"))
-    return found
+    if not any(delay % 1.0 for delay in delays):
+        return []
+    return [(places[0], "must be 0 beside a delay by a part of a sample: intervals are not of one length")]
 
 
 def _of_cogging(scene: SceneSpec, axes: Axes) -> Faults:
     """What does not go beside cogging."""
     if not (places := given(scene, axes, PARTS["cogging"].path)):
         return []
-    beside = {"bare": scene.encoder == "none", "squeeze": scene.squeeze is not None}
-    beside["play"] = bool(given(scene, axes, PARTS["play"].path))
+    beside = {"squeeze": scene.squeeze is not None, "play": bool(given(scene, axes, PARTS["play"].path))}
     reasons = {part: BESIDE["cogging", part, "general"] for part in beside}
     return [(places[0], f"must be 0 beside {PARTS[part].title}: {reasons[part]}") for part in beside if beside[part]]
 

@@ -150,7 +150,7 @@ def test_a_table_that_is_too_long_is_refused() -> None:
         knob(10_000_000, end_stops=EndStops(0.5, -3.0, 3.0))
 
 
-def test_without_counts_it_is_refused() -> None:
-    scene = Scene(Knob(1.9e-6), Wall(0.27), None, None, None, None, end_stops=EndStops(0.5, -1.0))
-    with pytest.raises(ComputationError, match="needs counts"):
+def test_an_encoder_without_counts_is_refused() -> None:
+    scene = Scene(Knob(1.9e-6), Wall(0.27), None, None, Encoder(), None, end_stops=EndStops(0.5, -1.0))
+    with pytest.raises(ComputationError, match="needs an encoder's counts"):
         sample_general(scene, sample_rate_hz=1000.0, counts_per_rev=None)

@@ -304,12 +304,22 @@ def test_what_goes_by_counts_is_a_kind_or_a_velocity() -> None:
     assert set(BY_COUNTS) <= {*CONTROLLERS, *get_args(get_type_hints(Controller)["velocity"])}
 
 
-def test_a_profile_beside_a_continuous_sensor_needs_counts() -> None:
-    """Under a controller, too."""
+@pytest.mark.parametrize("part", ["profile", "detents", "end_stops", "dead_zone", "jitter", "cogging", "play"])
+def test_a_continuous_sensor_needs_no_counts_beside(part: str) -> None:
+    """Nor under a controller that reads an angle; one that is defined by counts still does."""
+    change = CHANGES[part]
+    plan = bare_with(change)
+    assert {"bare", part} <= parts_of(plan.scene)
+    assert engine_of(plan.scene, STARTS["phases"]) == "general"
+    reads, counts = ({"scene": {"controller": {"kind": kind}}} for kind in ("stiffening", "bounded_lag"))
+    plan = bare_with(merged(change, reads))
+    assert engine_of(plan.scene, STARTS["phases"]) == "laws"
     with pytest.raises(SpecError) as error:
-        bare_with(merged(CHANGES["detents"], {"scene": {"controller": {"kind": "stiffening"}}}))
+        bare_with(merged(change, counts))
     (fault,) = error.value.faults
-    assert fault.message.startswith("must not be none beside a pattern of detents: its torque is a table")
+    assert f"{fault.key}: {fault.message}".startswith(
+        "scene.controller.kind: must not be bounded_lag where encoder is none"
+    )
 
 
 # Pairs that go together, with the engine of their trials.
@@ -331,6 +341,8 @@ PAIRS = [
     ("controller", "cogging", "laws"),
     ("speed_sensor", "cogging", "laws"),
     ("detents", "cogging", "general"),
+    *(("bare", part, "general") for part in ("profile", "detents", "end_stops", "dead_zone")),
+    *(("bare", part, "general") for part in ("jitter", "cogging", "play")),
 ]
 
 

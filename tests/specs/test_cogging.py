@@ -40,7 +40,6 @@ def of_cogging(**keys: Any) -> dict[str, Any]:
         (of_cogging(per_revolution=0), "scene.cogging.per_revolution: must be >= 1"),
         (of_cogging(per_revolution=1.5), "scene.cogging.per_revolution: must be a whole number"),
         (of_cogging(per_rev=84), "scene.cogging.per_rev: unknown key; did you mean 'per_revolution'?"),
-        (CHANGES["bare"], "scene.cogging.torque: must be 0 beside a continuous sensor: what is shown of a torque that"),
         (CHANGES["play"], "scene.cogging.torque: must be 0 beside backlash of a gear: teeth are followed from flank"),
         (CHANGES["squeeze"], "scene.cogging.torque: must be 0 beside a grip that follows the push: the grip's balance"),
         (CHANGES["unsampled"], "scene.cogging.torque: must be absent where sampling is continuous: cogging torque is"),

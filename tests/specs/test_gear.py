@@ -153,14 +153,6 @@ FINGER = {
             'grid["gear.backlash"]: must be absent where the gear has no',
         ),
         ((STIFF, {"scene": {"gear": {"backlash": -0.01}}}), "scene.gear.backlash: must be >= 0"),
-        (
-            (PLAY, {"scene": {"encoder": "none"}, "grid": {COUNTS: None}}),
-            "scene.gear.backlash: must be 0 beside a continuous",
-        ),
-        (
-            (PLAY, {"scene": {"encoder": "none", "gear": {"motor_coulomb_torque": 1e-5}}, "grid": {COUNTS: None}}),
-            "scene.gear.backlash: must be 0 beside a continuous",
-        ),
         ((GEARED, {"scene": {"detents": {"per_revolution": 12, "torque": 0.002}}}), "scene.detents: must be absent"),
         ((GEARED, {"grid": {"gear.mesh_damping": [1e-3]}}), 'grid["gear.mesh_damping"]: must be absent where the gear'),
         ((STIFF, {"scene": {"gear": {"motor_inertia": 0.0}}}), "scene.gear: must have a motor_inertia > 0"),

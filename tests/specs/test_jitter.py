@@ -27,7 +27,6 @@ def planned(*changes: dict[str, Any]) -> SweepPlan:
         ({"scene": {"clock": {"jiter": 0.1}}}, "scene.clock.jiter: unknown key; did you mean 'jitter'?"),
         ({"scene": {"clock": {"seed": 0.5}}}, "scene.clock.seed: must be a whole number"),
         ({"scene": {"clock": {"seed": -1}}}, "scene.clock.seed: must be >= 0"),
-        (CHANGES["bare"], "scene.clock.jitter: must be 0 beside a continuous sensor: what brings the knob to rest"),
         (CHANGES["delay"], "scene.clock.jitter: must be 0 beside a delay by a part of a sample: intervals are not"),
         (CHANGES["unsampled"], "scene.clock.jitter: must be absent where sampling is continuous: there is no clock"),
         (

@@ -119,10 +119,6 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
         "scene.end_stops: low must be below high, got 1 and -1",
     ),
     "no stop": ({"end_stops": {"stiffness": 1}}, "scene.end_stops: must have one of 'low' and 'high', or both"),
-    "no count": (
-        {"end_stops": {"low": -1, "stiffness": 1}, "encoder": "none"},
-        "scene.encoder: must not be none beside a pair of end stops: its torque is a table with a row for each count",
-    ),
     "half a quantum of no wall": (
         {"end_stops": {"low": -1, "stiffness": 1}, "bias": {"half_quantum": True}},
         "scene.bias.half_quantum: must be absent without a wall: it is half the step of its torque",

@@ -30,7 +30,7 @@ from typing import Any
 
 from tests import digits as mp
 
-from .over_angle_reference import over_angle
+from .over_angle_reference import along_angle, jumps, over_angle
 
 Vector = tuple[Any, ...]
 
@@ -543,7 +543,8 @@ class Control:
     limit: Any
     delay: Any
     dead_band: Any = 0  # smaller torques are not sent [N m]
-    over_angle: Any = None  # torque [N m] at a count, beside the wall
+    over_angle: Any = None  # torque [N m] at a count, beside the wall; of a continuous sensor at its angle [rad]
+    jumps: Any = None  # distance of an angle to where that jumps, of a continuous sensor [rad]
     hysteresis: Any = 0  # between the angles at which an edge is passed on the way up and down [counts]
 
     def counts(self, theta: Any) -> Any:
@@ -564,7 +565,8 @@ class Control:
     def edge_distance(self, theta: Any) -> float:
         """Distance to where the command jumps [rad]; a continuous sensor's wall edge counts where there is damping."""
         if self.quantum is None:
-            return float(abs(theta)) if self.damping else float("inf")
+            jump = self.jumps(theta) if self.jumps else float("inf")
+            return min(float(abs(theta)), jump) if self.damping else jump
         near = [self.counts(theta) + shift for shift in (self.hysteresis / 2, -self.hysteresis / 2)]
         return float(min(abs(counts - mp.nint(counts)) for counts in near) * self.quantum)
 
@@ -572,10 +574,16 @@ class Control:
         """Wall's command before the torque step [N m]."""
         other = mp.zero
         if self.over_angle is not None:
-            other = self.over_angle(int(mp.nint(measured / self.quantum - self.offset)))
+            other = self.beside(measured)
         if not measured < 0:
             return other
         return other - self.stiffness * measured - self.damping * (measured - before) / self.period
+
+    def beside(self, measured: Any) -> Any:
+        """Torque over the angle at what the sensor reports [N m]."""
+        if self.quantum is None:
+            return self.over_angle(measured)
+        return self.over_angle(int(mp.nint(measured / self.quantum - self.offset)))
 
     def command(self, wanted: Any) -> Any:
         """Command that the actuator takes [N m]."""
@@ -746,7 +754,8 @@ def build(scene: dict[str, Any], *, sample_rate_hz: float, counts_per_rev: int |
         limit=limit_of_supply if limit is None else mp.mpf(limit),
         delay=number(actuator, "delay_samples"),
         dead_band=number(actuator, "dead_band"),
-        over_angle=over_angle(scene, counts_per_rev) if counts_per_rev else None,
+        over_angle=over_angle(scene, counts_per_rev) if quantum is not None else along_angle(scene),
+        jumps=jumps(scene) if quantum is None else None,
         hysteresis=number(shape, "hysteresis_counts") + (number(shape, "backlash") / quantum if quantum else 0),
     )
     return bodies, control

@@ -44,7 +44,7 @@ class Firmware:
         pieces = self.law.command(shown, omega, looks)
         beside = mp.zero
         if control.over_angle is not None and not self.law.silent:
-            beside = control.over_angle(int(mp.nint(shown / control.quantum - control.offset)))
+            beside = control.beside(shown)
         found = []
         for torque, _ in pieces:
             wanted = torque - brake + beside
@@ -91,7 +91,7 @@ class Encoder:
         """Angle that the encoder reports now [rad]."""
         control, theta = self.control, self.motion.z[KNOB]
         if control.quantum is None:
-            self.clear = min(self.clear, float(abs(theta)) / UNIT)
+            self.clear = min(self.clear, float(abs(theta)) / UNIT, control.jumps(theta) / UNIT)
             return theta
         if not control.hysteresis:
             self.clear = min(self.clear, control.edge_distance(theta) / float(control.quantum))

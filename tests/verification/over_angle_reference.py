@@ -1,6 +1,7 @@
 """Torque over the measured angle at 60 digits, from the words of its parts; nothing of the package is used.
 
-Where a pattern goes round the knob, its place at a count is a fraction of whole numbers, exactly.
+Where a pattern goes round the knob, its place at a count is a fraction of whole numbers, exactly. A continuous sensor
+has no counts: its place is the angle itself.
 """
 
 from collections.abc import Callable
@@ -34,6 +35,38 @@ def over_angle(scene: dict[str, Any], counts: int) -> Callable[[int], Any] | Non
     return torque
 
 
+def along_angle(scene: dict[str, Any]) -> Callable[[Any], Any] | None:
+    """The same at an angle [rad] that a continuous sensor shows."""
+    there = [(SHAPES[name], scene[name]) for name in NAMES if scene.get(name)]
+    if not there:
+        return None
+    return lambda angle: mp.fsum(shape(part, angle / (2 * mp.pi)) for shape, part in there)
+
+
+def jumps(scene: dict[str, Any]) -> Callable[[Any], float]:
+    """How far an angle is from the nearest at which a torque jumps [rad], as a continuous sensor has it."""
+    places: list[tuple[Any, Any]] = []  # an angle, and the distance after which it comes again; 0: never
+    part = scene.get("profile")
+    if part and part.get("interpolation") == "stepped":
+        span = part["points"][-1][0] - part["points"][0][0] if part.get("periodic") else 0
+        places += [(mp.mpf(angle), mp.mpf(span)) for angle, _ in part["points"]]
+    part = scene.get("detents")
+    if part:
+        spacing = 2 * mp.pi / part["per_revolution"] if part.get("per_revolution") else mp.mpf(part["spacing"])
+        places += [(mp.mpf(end), mp.zero) for end in part.get("range") or ()]
+        if part.get("shape") == "spring":
+            places.append((mp.mpf(part.get("centre") or 0.0) + spacing / 2, spacing))
+
+    def distance(angle: Any) -> float:
+        found = [float("inf")]
+        for place, again in places:
+            away = angle - place
+            found.append(float(abs(away - mp.nint(away / again) * again if again else away)))
+        return min(found)
+
+    return distance
+
+
 def torques(scene: dict[str, Any], counts: int) -> Callable[[NDArray[np.float64]], NDArray[np.float64]] | None:
     """The same of many counts at once, rounded to doubles."""
     exact = over_angle(scene, counts)
@@ -45,11 +78,11 @@ def torques(scene: dict[str, Any], counts: int) -> Callable[[NDArray[np.float64]
     return at if exact else None
 
 
-def _real(turn: Fraction) -> Any:
-    return mp.mpf(turn.numerator) / turn.denominator
+def _real(turn: Any) -> Any:
+    return mp.mpf(turn.numerator) / turn.denominator if isinstance(turn, Fraction) else turn
 
 
-def _angle(turn: Fraction) -> Any:
+def _angle(turn: Any) -> Any:
     return 2 * mp.pi * _real(turn)
 
 
@@ -64,7 +97,7 @@ def _between(points: list[Any], angle: Any, kind: str) -> Any:
     return mp.mpf(points[-1][1])
 
 
-def profile(part: dict[str, Any], turn: Fraction) -> Any:
+def profile(part: dict[str, Any], turn: Any) -> Any:
     points, kind = part["points"], part.get("interpolation", "linear")
     angle, first = _angle(turn), mp.mpf(points[0][0])
     if part.get("periodic"):
@@ -76,7 +109,7 @@ def profile(part: dict[str, Any], turn: Fraction) -> Any:
     return _between(points, angle, kind)
 
 
-def detents(part: dict[str, Any], turn: Fraction) -> Any:
+def detents(part: dict[str, Any], turn: Any) -> Any:
     centre, most = part.get("centre") or 0.0, mp.mpf(part["torque"])
     if part.get("per_revolution"):
         number = part["per_revolution"]
@@ -101,7 +134,7 @@ def detents(part: dict[str, Any], turn: Fraction) -> Any:
     return -most * mp.sign(away) * over
 
 
-def end_stops(part: dict[str, Any], turn: Fraction) -> Any:
+def end_stops(part: dict[str, Any], turn: Any) -> Any:
     angle, stiffness = _angle(turn), mp.mpf(part["stiffness"])
     for name, beyond in (("low", lambda stop: angle < stop), ("high", lambda stop: angle > stop)):
         if part.get(name) is not None and beyond(part[name]):
@@ -109,7 +142,7 @@ def end_stops(part: dict[str, Any], turn: Fraction) -> Any:
     return mp.zero
 
 
-def dead_zone(part: dict[str, Any], turn: Fraction) -> Any:
+def dead_zone(part: dict[str, Any], turn: Any) -> Any:
     away, half = _angle(turn) - (part.get("centre") or 0.0), mp.mpf(part["width"]) / 2
     if abs(away) <= half:
         return mp.zero
@@ -119,7 +152,7 @@ def dead_zone(part: dict[str, Any], turn: Fraction) -> Any:
     return -mp.sign(away) * torque
 
 
-SHAPES: dict[str, Callable[[dict[str, Any], Fraction], Any]] = {
+SHAPES: dict[str, Callable[[dict[str, Any], Any], Any]] = {
     "profile": profile,
     "detents": detents,
     "end_stops": end_stops,

@@ -266,6 +266,32 @@ def jittered(number: int) -> Case | None:
     return found if is_taken(found) else None
 
 
+BESIDE_BARE = ("profile", "detents", "end_stops", "dead_zone", "cogging", "play", "jitter")
+
+
+def bared(number: int) -> Case:
+    """The scene of a number with a continuous sensor, and one or two parts that need no counts."""
+    chance = Random(f"bare {number}")
+    while True:
+        beside = {BESIDE_BARE[number % len(BESIDE_BARE)], *chance.sample(BESIDE_BARE, chance.choice([0, 0, 1]))}
+        one = draw(chance.randrange(2**31))
+        scene = {**one.scene, "encoder": "none"}
+        if "half_quantum" in scene["bias"]:
+            scene["bias"] = {"torque": 0.001}
+        for name in MAKERS:
+            if name in beside:
+                MAKERS[name](chance, scene)
+        if "jitter" in beside:
+            scene["clock"] = {"jitter": chance.choice([0.02, 0.1, 0.33, 0.9]), "seed": chance.randrange(2**31 - 1)}
+            if (scene.get("actuator") or {}).get("delay_samples"):
+                scene["actuator"] = {**scene["actuator"], "delay_samples": float(chance.choice([1, 2]))}
+        lost = {"rounding", "offset", "hysteresis", "backlash"}
+        parts = tuple(sorted({*one.parts, "bare", *beside} - lost))
+        found = Case(number, parts, scene, one.rate_hz, None)
+        if is_taken(found):
+            return found
+
+
 def _bare(scene: Scene) -> bool:
     return scene.get("encoder") == "none"
 
@@ -515,6 +541,7 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=0, help="number of the first scene")
     parser.add_argument("--only", type=int, nargs="+", help="numbers of scenes")
     parser.add_argument("--jitter", action="store_true", help="with a sample clock that jitters, where it is taken")
+    parser.add_argument("--bare", action="store_true", help="with a continuous sensor, and what needs no counts")
     parser.add_argument("--every", type=int, default=50, help="scenes after which a line is printed")
     args = parser.parse_args()
     numbers = args.only or range(args.first, args.first + args.count)
@@ -523,7 +550,7 @@ def main() -> int:
     totals = np.zeros(4)
     bad, largest, begin = 0, 0.0, time.perf_counter()
     for done, number in enumerate(numbers, 1):
-        one = jittered(number) if args.jitter else draw(number)
+        one = bared(number) if args.bare else jittered(number) if args.jitter else draw(number)
         if one is None:
             outcomes["refused beside jitter"] += 1
             continue

@@ -1,10 +1,11 @@
 """The loop with whatever else a scene lists: friction, finger, lag, limits, virtual damping, a continuous sensor.
 
-- `body`, `controller` (encoder and wall), `torque_table`, `jitter` of the sample clock: the scene in numbers
+- `body`, `controller` (encoder and wall), `torque_table`, `torque_curve` of a continuous sensor, `torque_range` of
+  either far out, `jitter` of the sample clock: the scene in numbers
 - `advance` from event to event, `hysteresis` of the count on the way
 - `teeth` of a gear, one mode of their motion, `flanks` from mode to mode
 - `cogging` on one slope, `slopes` from slope to slope, `cog_rest` on one
-- `period_map` the proof, `powers` of its derivative
+- `period_map` the proof, `powers` of its derivative, `bent` where a torque over the angle bends
 - `inner_region` rest that is never reached
 - `parting` of nearby motions, where they do not repeat
 - `every_clock` a bound for all clocks that jitter so much, by `clock_cells`
@@ -17,7 +18,8 @@ friction is a monotone function of speed, so the energy of the difference of two
 grows. The fixed point is found by Newton's method with the derivative carried through every event (saltation). Its
 error bound is first order: inverse of the derivative times residual and roundings, with marks for events that could
 go another way within it; it is not an interval enclosure. With a continuous sensor the bound on a difference comes
-from the derivative's powers. A scene that lists none of this runs in the plain loop, whose source does not know of
+from the derivative's powers; where teeth press or cogging acts, it must not reach the end of a flank or a slope. A
+scene that lists none of this runs in the plain loop, whose source does not know of
 the other.
 
 Rest that is never reached (`engine/general/inner_region.py`). An overdamped hand with friction creeps to the edge of

@@ -16,6 +16,7 @@ from hknob_cli.engine.general.cogging import (
     slope_at,
 )
 from hknob_cli.engine.general.controller import edge_gap
+from hknob_cli.engine.general.torque_curve import has_curve
 from hknob_cli.engine.rest import AT_REST, MOVING, REST_ON_EDGE, RINGS
 
 ROUNDINGS = 64.0  # of a position that has stopped changing
@@ -75,7 +76,8 @@ def settles_free(cogs, z, u, shown, wrong, push, body, wall, orbit, away):
     # Under a torque that is off by so much the knob swings about another rest, and comes as far beyond that.
     slack = ROUNDINGS * EPSILON * (1.0 + abs(z[0]) + size) + 2.0 * wrong / hold
     put_at(rest, u, body, orbit)
-    gap = edge_gap(rest, shown, shown, wall)
+    seen = rest if has_curve(wall.curve) else shown
+    gap = edge_gap(rest, seen, seen, wall)
     stays, far = stays_on_slope(z, gap, slack + push / hold**0.5, body, orbit, away)
     if stays:
         return (AT_REST if body.damped else RINGS), gap
@@ -115,7 +117,8 @@ def keeps_to_slope(cogs, z, u, shown, wrong, push, body, wall, orbit, away):
         return False, 0.0
     rest = min(max(z[0], low), high)
     put_at(rest, u, body, orbit)
-    gap = edge_gap(rest, shown, shown, wall)
+    seen = rest if has_curve(wall.curve) else shown
+    gap = edge_gap(rest, seen, seen, wall)
     slack = ROUNDINGS * EPSILON * (1.0 + abs(rest) + abs(z[0]))
     hold = hold_stiffness(cogs, rest, body)
     if not hold > 0.0:

@@ -1,12 +1,13 @@
 """The controller: from the angle at a sample to the torque commanded, as an acceleration of the knob.
 
-In this order: the encoder's count, the virtual wall or the torque over the angle, the wall's damping on the differenced
-measured angle, the dead band, the step of the D/A converter, the saturation of the amplifier. Units are those of
-`engine.loop`: counts and sample periods.
+In this order: the encoder's count, the virtual wall and the torque over the angle, the wall's damping on the
+differenced measured angle, the dead band, the step of the D/A converter, the saturation of the amplifier. Units are
+those of `engine.loop`: counts and sample periods.
 """
 
 from typing import Any, NamedTuple
 
+from hknob_cli.engine.general.torque_curve import bend_of, curve_at, curve_torque, has_curve, rounded_size
 from hknob_cli.engine.general.torque_table import command_at, is_there, run_at
 from hknob_cli.engine.loop import floor
 
@@ -27,6 +28,7 @@ class Controller(NamedTuple):
     band: float = 0.0  # a smaller torque is not sent
     hysteresis: float = 0.0  # counts by which the knob turns back until the count does
     clock: Any = None  # of jittering samples, as `jitter` has it: list or array
+    curve: Any = None  # torque over the angle beside the wall, of a continuous sensor, as `torque_curve` has it
 
 
 def read(x, wall):
@@ -64,6 +66,10 @@ def command(shown, before, wall):
     """Command when the sensor shows ``shown``, and showed ``before`` one sample ago: the wall, D/A, amplifier."""
     if is_there(wall.table):
         u = command_at(shown, wall.table)
+    elif has_curve(wall.curve):
+        u = curve_torque(shown, wall.curve)
+        if shown < 0.0:
+            u -= wall.kappa * shown
     elif not shown < 0.0:
         return 0.0
     else:
@@ -73,8 +79,31 @@ def command(shown, before, wall):
     return send(u, wall)
 
 
+def curve_wanted(shown, before, wall):
+    """Torque over the angle and of the wall, before the D/A converter, by a curve.
+
+    ``(torque, slope, room, steepest, damping)``: the room ends at the wall's edge, too, and the slopes are the wall's
+    and the curve's; ``damping``: the wall's virtual damping where it acts.
+    """
+    u, slope, room, steepest, _ = curve_at(shown, wall.curve)
+    if wall.kappa + wall.damping > 0.0:
+        room = min(room, abs(shown))
+    if not shown < 0.0:
+        return u, slope, room, steepest, 0.0
+    u -= wall.kappa * shown + wall.damping * (shown - before)
+    return u, slope - wall.kappa, room, steepest + wall.kappa, wall.damping
+
+
+def is_sent(u, wall):
+    """Whether the amplifier follows a torque: no step, no dead band, and not at its limit."""
+    return wall.step == 0.0 and abs(u) < wall.limit and abs(u) >= wall.band
+
+
 def slopes(shown, before, wall):
     """Derivatives of the command by ``shown`` and by ``before``: zero except for a continuous sensor."""
+    if wall.analog > 0.0 and has_curve(wall.curve):
+        u, slope, _, _, damping = curve_wanted(shown, before, wall)
+        return (slope - damping, damping) if is_sent(u, wall) else (0.0, 0.0)
     if wall.analog == 0.0 or not shown < 0.0 or wall.step > 0.0:
         return 0.0, 0.0
     u = -wall.kappa * (shown + wall.offset) - wall.damping * (shown - before)
@@ -83,8 +112,24 @@ def slopes(shown, before, wall):
     return -wall.kappa - wall.damping, wall.damping
 
 
+def follows(shown, wall):
+    """Whether the command follows every move of the knob: a continuous sensor on a slope, nothing saturated."""
+    if wall.analog > 0.0 and has_curve(wall.curve):
+        u, _, _, steepest, damping = curve_wanted(shown, shown, wall)
+        return steepest + damping > 0.0 and is_sent(u, wall)
+    slope, _ = slopes(shown, shown, wall)
+    return slope != 0.0
+
+
+def bends(wall):
+    """The most by which the slope of a command changes along the angle, within the room of `edge_gap`."""
+    return 0.0 if wall.step > 0.0 else bend_of(wall.curve)
+
+
 def table_size(shown, wall):
-    """Size of the command of a table, for bounds on roundings; 0 for a wall, whose command goes by the depth."""
+    """Size of the command of a table, or a curve, for bounds on roundings; 0 for a wall, which goes by the depth."""
+    if has_curve(wall.curve):
+        return rounded_size(shown, wall.curve)
     return abs(command_at(shown, wall.table)) if is_there(wall.table) else 0.0
 
 
@@ -117,6 +162,8 @@ def goes_on(v, shown, wall):
     """
     if wall.damping > 0.0 and (v < 0.0 or shown < 0.0):
         return False
+    if has_curve(wall.curve):
+        return False  # it may have more parts ahead
     if is_there(wall.table):
         low, high = run_at(shown, wall.table)
         return low == -float("inf") if v < 0.0 else high == float("inf")
@@ -133,22 +180,32 @@ def upper_edge(shown, wall):
     return shown + 1.0 if wall.sense > 0.0 or (wall.truncate > 0.0 and not shown < 0.0) else shown
 
 
+def sent_gap(u, slope, wall):
+    """How far an angle may move, whose torque ``u`` has a slope, until what is sent has another, or jumps."""
+    gap = abs(abs(u) - wall.limit) / slope
+    if wall.band > 0.0:
+        gap = min(gap, abs(abs(u) - wall.band) / slope)
+    if wall.step > 0.0 and abs(u) >= wall.band:
+        part = (u / wall.step + 0.5) % 1.0
+        gap = min(gap, min(part, 1.0 - part) * wall.step / slope)
+    return gap
+
+
 def edge_gap(x, shown, before, wall):
     """How far ``x``, and ``before``, may move until the command, or its slope, changes, in counts.
 
     With hysteresis ``before`` is the count of `read_after`, and does not move.
     """
+    if wall.analog > 0.0 and has_curve(wall.curve):
+        u, _, gap, steepest, damping = curve_wanted(shown, before, wall)
+        slope = steepest + 2.0 * damping
+        return min(gap, sent_gap(u, slope, wall)) if slope > 0.0 else gap
     if wall.analog > 0.0:
         gap = abs(x)
         slope = wall.kappa + 2.0 * wall.damping
         if shown < 0.0 and slope > 0.0:
             u = -wall.kappa * shown - wall.damping * (shown - before)
-            gap = min(gap, abs(abs(u) - wall.limit) / slope)
-            if wall.band > 0.0:
-                gap = min(gap, abs(abs(u) - wall.band) / slope)
-            if wall.step > 0.0 and abs(u) >= wall.band:
-                part = (u / wall.step + 0.5) % 1.0
-                gap = min(gap, min(part, 1.0 - part) * wall.step / slope)
+            gap = min(gap, sent_gap(u, slope, wall))
         return gap
     low = high = shown
     if wall.damping == 0.0:
@@ -167,7 +224,9 @@ def edge_gap(x, shown, before, wall):
 
 
 def count_gap(x, wall):
-    """Distance from ``x`` to the nearest count edge; to the wall's edge without an encoder."""
+    """Distance from ``x`` to the nearest count edge; without an encoder to the wall's edge, or a knee of a curve."""
+    if wall.analog > 0.0 and has_curve(wall.curve):
+        return curve_wanted(x, x, wall)[2]
     if wall.analog > 0.0:
         return abs(x)
     part = (x - 0.5 * wall.hysteresis) % 1.0

@@ -25,7 +25,9 @@ from hknob_cli.engine.general.follow import (
 )
 from hknob_cli.engine.general.interval import advance, pass_over
 from hknob_cli.engine.general.jitter import begin_clock
+from hknob_cli.engine.general.laws.law import REST_NOT_PROVEN
 from hknob_cli.engine.general.period_map import certify
+from hknob_cli.engine.general.torque_curve import has_curve, place_at
 
 
 class TrialSpace(NamedTuple):
@@ -168,10 +170,12 @@ def enter(fate, period, before, head, trial, body, wall):
     margin, edge, closure, bound = 0.0, 0.0, 0.0, 0.0
     if cycle:
         before, head, period = deepest(before, head, period, trial, body, wall)
-    rest = fate == REST_PROVEN or fate == REST_EDGE
+    rest = fate == REST_PROVEN or fate == REST_EDGE or fate == REST_NOT_PROVEN
     shown = read_after(z[0], before, wall) if rest and body.friction > 0.0 else float("nan")
     if wall.analog > 0.0 and shown == shown:
         shown = -1.0 if z[0] < 0.0 else 0.0
+        if has_curve(wall.curve):
+            shown += 2.0 * place_at(z[0], wall.curve)
     row = find(fate, period, z, shown, rows, table, trial.states, n)
     if cycle and row == rows:
         status, margin, edge, closure, bound = certify(z, before, ring, head, period, body, wall, space)

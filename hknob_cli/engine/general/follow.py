@@ -21,9 +21,11 @@ from hknob_cli.engine.general.controller import command, depth_level, inside, re
 from hknob_cli.engine.general.inner_region import stands
 from hknob_cli.engine.general.interval import advance, advance_jittering, rubs_alone
 from hknob_cli.engine.general.jitter import jitters
+from hknob_cli.engine.general.laws.law import REST_NOT_PROVEN
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS, certify
 from hknob_cli.engine.general.slide_two import step_with_friction
-from hknob_cli.engine.general.standstill import SETTLING, settles
+from hknob_cli.engine.general.standstill import SETTLING, is_followed, settles
+from hknob_cli.engine.general.torque_curve import has_curve, place_at
 from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, REST_ON_EDGE, RINGS
 
 CYCLE_AT_EVENT = 9
@@ -33,6 +35,8 @@ KNOWN = 11  # reaches an orbit that another trial has proven
 WAIT = -1  # a candidate left for later
 BESIDE = 1e-6  # counts from a cycle through the play of teeth, at which a trial is not followed further
 PATIENCE = 12  # times that one is, each at a quarter of the gap
+LOOK_AGAIN = 64  # samples after which a continuous sensor's motion is compared, where the clock jitters
+CLOSE = 1e-12  # of a position: so close it has come to a standstill
 PROOF_COST = 8  # periods that a trial with a continuous sensor goes on for after an attempt that took about as many
 FIELDS = 10  # of an attractor: fate, period, margin, edge, closure, bound, trials, least, most position, reading before
 
@@ -129,12 +133,12 @@ def closes_in(trial, before, head, period, gap, body, wall):
 
 
 def contracts_to_rest(trial, shown, before, head, body, wall):
-    """Whether, with a continuous sensor inside the wall, the loop is proven to bring a trial to rest.
+    """Whether the loop of a continuous sensor, whose intervals are alike, is proven to bring a trial to rest.
 
     Then its state and delay line are left as they are there.
     """
     z, ring, space = trial.z, trial.ring, trial.space
-    if wall.analog == 0.0 or not shown < 0.0:
+    if not is_followed(shown, wall) or jitters(wall.clock):
         return False
     status, _, _, _, _ = certify(z, before, ring, head, 1, body, wall, space)
     if status != PROVEN:
@@ -206,6 +210,26 @@ def last_look(trial, shown, before, head, body, wall, settling, on_edge):
     return (UNSETTLED if body.damped else UNDAMPED), 0, before
 
 
+def turn_level(shown, last, level):
+    """Level that falls where a motion has turned down: beside a curve an event that no cycle lacks."""
+    if shown == last:
+        return level
+    return 1.0 if shown > last else 0.0
+
+
+def came_back(trial, head, chead, body):
+    """Whether a motion is where it was at the checkpoint, with the commands under way."""
+    z, ring, away = trial.z, trial.ring, trial.space.away
+    delay = len(ring)
+    for j in range(body.order):
+        away[j] = z[j] - trial.check[j]
+    for j in range(delay):
+        u = ring[(head + j) % delay]
+        if not abs(u - trial.check_ring[(chead + j) % delay]) <= CLOSE * (1.0 + abs(u)):
+            return False
+    return gap_apart(body.cogs, away, body) <= CLOSE * (1.0 + abs(z[0]))
+
+
 def follow_trial(trial, before, head, budget, body, wall):
     """Follow a trial until its fate is proven: ``(fate, period, before, head, samples)``.
 
@@ -227,7 +251,7 @@ def follow_trial(trial, before, head, budget, body, wall):
     kept, kept_fate, kept_head, kept_before = 0, CYCLE_ON_EDGE, head, before
     on_edge, settling = False, False
     shown = read(z[0], wall)
-    level = depth_level(shown, wall)
+    level = 0.0 if has_curve(wall.curve) else depth_level(shown, wall)
     run, next_test = 0, FIRST_REST_TEST
     left_alone, wait = 0, 0
     rubs = rubs_alone(ring, body, wall)
@@ -246,6 +270,9 @@ def follow_trial(trial, before, head, budget, body, wall):
         shown = read_after(x, before, wall)
         level_before, level = level, depth_level(shown, wall)
         same = level == level_before if wall.analog == 0.0 else (shown < 0.0) == (last < 0.0)
+        if has_curve(wall.curve):
+            level = turn_level(shown, last, level_before)
+            same = same and place_at(shown, wall.curve) == place_at(last, wall.curve)
         if same:
             run += 1
             if run >= next_test:
@@ -260,6 +287,12 @@ def follow_trial(trial, before, head, budget, body, wall):
         else:
             run, next_test = 0, FIRST_REST_TEST
             on_edge, settling = False, False
+        if jitters(wall.clock) and wall.analog > 0.0 and i % LOOK_AGAIN == 0:
+            if have and came_back(trial, head, chead, body):
+                return REST_NOT_PROVEN, 1, before, head, i
+            have, chead = True, head
+            copy_to(trial.check, z)
+            copy_to(trial.check_ring, ring)
         if level < level_before and not jitters(wall.clock):
             if have:
                 for j in range(body.order):

@@ -7,27 +7,32 @@ the nearest change of reading keeps its reading. Damping and friction take energ
 
 With a continuous sensor inside the wall the command follows the samples. Over a hold of one sample the wall's work is
 that of its own spring, kappa, and at most kappa/2 of the square of the way, which is at most the integral of the
-velocity squared. So with alpha >= kappa/2 (Colgate & Schenkel 1994) the energy, wall spring included, never grows.
+velocity squared. So with alpha >= kappa/2 (Colgate & Schenkel 1994) the energy, wall spring included, never grows. That
+is so of any linear piece of a torque over the angle whose slope, with the other springs, holds the knob; and of holds
+that are shorter, as long as the longest is a sample, so that it holds where the sample clock jitters.
 """
 
 from math import sqrt
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import distance
-from hknob_cli.engine.general.controller import command, edge_gap, slopes
+from hknob_cli.engine.general.controller import bends, command, edge_gap, follows, slopes
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.slide_two import step_with_friction
 from hknob_cli.engine.general.teeth import flank_room
+from hknob_cli.engine.general.torque_curve import has_curve, rounded_size
 from hknob_cli.engine.propagator import hold_coefficients
 
 ROUNDINGS = 64.0  # of a position that has stopped changing
 LONG = 1e15  # samples after which nothing moves that friction can hold
 
 
-def follows(shown, wall):
-    """Whether the command follows every move of the knob: a continuous sensor inside the wall, nothing saturated."""
-    slope, _ = slopes(shown, shown, wall)
-    return slope != 0.0
+def spring_of_command(shown, wall):
+    """Stiffness of the spring that a command is which follows the knob, below 0 where it pushes away."""
+    if has_curve(wall.curve):
+        slope, last = slopes(shown, shown, wall)
+        return -(slope + last)
+    return wall.kappa
 
 
 def hold_zone(u, shown, body, wall):
@@ -42,13 +47,24 @@ def hold_zone(u, shown, body, wall):
         stiffness = body.pad_stiffness * body.finger_stiffness
         stiffness /= body.ratio * body.pad_stiffness + body.finger_stiffness
         pull -= stiffness * body.shift
+    own = stiffness
     if follows(shown, wall):
-        stiffness += wall.kappa
-        pull -= u
-    if stiffness == 0.0:
+        spring = spring_of_command(shown, wall)
+        stiffness += spring
+        pull = pull + spring * shown if has_curve(wall.curve) else pull - u
+    if not stiffness > 0.0:
         return 0.0, 1.0, 0.0
     slack = ROUNDINGS * EPSILON * (abs(u) + body.push + body.friction + stiffness * abs(body.shift))
+    if has_curve(wall.curve):
+        slack += ROUNDINGS * EPSILON * (rounded_size(shown, wall.curve) + (own + abs(stiffness - own)) * abs(shown))
     return stiffness, (pull - body.friction + slack) / stiffness, (pull + body.friction - slack) / stiffness
+
+
+def gives_nothing(shown, delay, body, wall):
+    """Whether a command that follows the knob never adds energy, its spring included: a linear piece, and damping."""
+    if body.order > 2 or delay > 0 or wall.damping > 0.0 or bends(wall) > 0.0:
+        return False
+    return body.alpha >= 0.5 * spring_of_command(shown, wall)
 
 
 def keeps_reading(z, shown, u, body, wall, delay, orbit, away):
@@ -61,7 +77,7 @@ def keeps_reading(z, shown, u, body, wall, delay, orbit, away):
     if body.ratio > 0.0 and body.pad_damping + body.finger_damping == 0.0:
         return False, 0.0  # a finger that nothing damps swings on beside a knob that is held
     linear = follows(shown, wall)
-    if linear and (n > 2 or delay > 0 or wall.damping > 0.0 or body.alpha < 0.5 * wall.kappa):
+    if linear and not gives_nothing(shown, delay, body, wall):
         return False, 0.0
     stiffness, low, high = hold_zone(u, shown, body, wall)
     if low > high:

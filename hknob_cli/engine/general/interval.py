@@ -1,9 +1,9 @@
 """One sample interval of the general loop: sense, command, and move under what is commanded."""
 
-from hknob_cli.engine.general.advance import advance_hold, advance_span, rub_columns, rub_many
-from hknob_cli.engine.general.body import FIRST, SECOND
+from hknob_cli.engine.general.advance import FREE, advance_hold, advance_span, rub_columns, rub_many
+from hknob_cli.engine.general.body import FIRST, SECOND, acceleration
 from hknob_cli.engine.general.cogging import has_cogs, has_gone
-from hknob_cli.engine.general.columns import feed
+from hknob_cli.engine.general.columns import feed, spread_many, spread_two
 from hknob_cli.engine.general.controller import command, read_after
 from hknob_cli.engine.general.hysteresis import hold_and_count, turn_and_count
 from hknob_cli.engine.general.jitter import jitters, next_span
@@ -114,6 +114,35 @@ def pass_over(z, before, ring, head, samples, limit, body, wall, pad):
     return before, head
 
 
+def balances(z, u, body):
+    """Whether a body without friction stands still, to the last bit: friction's modes would say that it is held."""
+    if body.friction > 0.0 or body.play > 0.0 or has_cogs(body.cogs):
+        return False
+    return z[1] == 0.0 and acceleration(z, u, body) == 0.0
+
+
+def move_columns(z, older, u, body, wall, pad, cols, count, width, marks):
+    """Move ``z`` and its columns over an interval: under ``older`` up to the split, then under ``u``."""
+    parts = 2 if wall.split > 0.0 else 1
+    for part in range(parts):
+        # The part under the older command, if there is one, and the rest.
+        first = part < parts - 1
+        span = wall.split if first else 1.0 - wall.split
+        s = body.s1 if first else body.s2
+        g = body.g1 if first else body.g2
+        f = body.f1 if first else body.f2
+        at = width * width if first else width * width + width
+        acting = older if first else u
+        if wall.analog > 0.0 and balances(z, acting, body):
+            advance_span(z, acting, span, body, pad)
+            if body.order > 2:
+                spread_many(cols, at, count, width, span, FREE, body, pad)
+            else:
+                spread_two(cols, at, count, width, s, g, f, body)
+        else:
+            rub_columns(z, acting, span, s, g, f, body, pad, cols, at, count, width, marks)
+
+
 def advance_columns(z, before, ring, head, body, wall, pad, cols, count, width, marks):
     """Like `advance`, with ``count`` columns of derivatives, ``width`` apart, and `rub_columns`'s ``marks``.
 
@@ -129,14 +158,5 @@ def advance_columns(z, before, ring, head, body, wall, pad, cols, count, width, 
         ring[head] = u
         head = (head + 1) % delay
         u = ring[head]
-    parts = 2 if wall.split > 0.0 else 1
-    for part in range(parts):
-        # The part under the older command, if there is one, and the rest.
-        first = part < parts - 1
-        span = wall.split if first else 1.0 - wall.split
-        s = body.s1 if first else body.s2
-        g = body.g1 if first else body.g2
-        f = body.f1 if first else body.f2
-        at = width * width if first else width * width + width
-        rub_columns(z, older if first else u, span, s, g, f, body, pad, cols, at, count, width, marks)
+    move_columns(z, older, u, body, wall, pad, cols, count, width, marks)
     return shown, head

@@ -24,7 +24,9 @@ def normalise(cols, width, m):
 
 
 def parting_rate(z, before, ring, samples, body, wall, space):
-    """Mean growth of the logarithm of a difference of motions with the same readings, per sample.
+    """Mean growth of the logarithm of a difference of motions, per sample.
+
+    With an encoder they have the same readings; a continuous sensor's torques follow the difference.
 
     Args:
         z: State at the start, left at the end.
@@ -35,7 +37,8 @@ def parting_rate(z, before, ring, samples, body, wall, space):
         wall: What commands.
         space: Work space of the general loop.
     """
-    n, width = body.order, space.width
+    width = space.width
+    n = width if wall.analog > 0.0 else body.order
     for c in range(n):
         for i in range(width):
             space.cols[c * width + i] = 1.0 if i == c else 0.0

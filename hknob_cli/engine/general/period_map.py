@@ -7,24 +7,38 @@ than any sample of it is to an edge has the same readings for ever; the derivati
 continuous sensor the command follows the motion, and the growth of a difference is bounded by the derivative's powers.
 Teeth with play keep that energy while they stay on one flank, which is one more margin; where they part it may grow,
 and the derivative alone says that nearby motions come closer: that is no proof. So it is with cogging, whose corners
-are such a margin, as long as the springs of one slope hold the knob.
+are such a margin, as long as the springs of one slope hold the knob. A torque over the angle of a continuous sensor is
+linear between its knees and steps, which are such margins, too; where it bends, `bent` bounds what that adds.
 """
 
 from typing import Any, NamedTuple
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
+from hknob_cli.engine.general.bent import holds_though_bent
 from hknob_cli.engine.general.body import norm, stiffness, turn_finger
-from hknob_cli.engine.general.cogging import ROOT, SIZE, cog_number, far_apart, has_cogs
-from hknob_cli.engine.general.controller import command, count_gap, edge_gap, inside, read, read_after, table_size
+from hknob_cli.engine.general.cogging import ROOT, SIZE, cog_number, far_apart, has_cogs, reach_on
+from hknob_cli.engine.general.controller import (
+    bends,
+    command,
+    count_gap,
+    edge_gap,
+    inside,
+    read,
+    read_after,
+    table_size,
+)
 from hknob_cli.engine.general.hysteresis import hold_and_count
 from hknob_cli.engine.general.interval import advance_columns
-from hknob_cli.engine.general.powers import bound_growth, dissipates, invert
+from hknob_cli.engine.general.powers import bound_growth, dissipates, growth_bound, invert
 from hknob_cli.engine.general.teeth import flank_room
+from hknob_cli.engine.general.torque_curve import has_curve
 
 AT_EVENT = 5  # a standstill of the motion could, within rounding, go another way
 EXPANDS = 6  # the period map does not contract
 PARTS = 7  # teeth part within the period, or cogging does not hold the knob: its map contracts to first order
 NEWTON_STEPS = 8
+STILL = 16.0  # times its error bound, by which a motion must move at least to be a cycle, beside a curve
+AT_ONCE = 1e-9  # of an orbit's size: a trial so near to it is as near as it may come
 LEAST_SCALE = 1e-3  # of speeds against positions, in a norm of differences; a rest point has no speed
 
 
@@ -111,18 +125,50 @@ def turn(before, ring, head, period, body, wall, space, m):
     return margin, edge, reach, pace, before, head
 
 
+def apart_at_sample(body, space, m):
+    """Leave in ``space.spare`` bounds on the difference at a sample of each number of the state, by ``residual``."""
+    for i in range(body.order):
+        total = 0.0
+        for c in range(m):
+            total += abs(space.cols[c * space.width + i]) * space.residual[c]
+        space.spare[i] = total
+
+
+def far_between_samples(body, space, m):
+    """Bound on how far apart two motions get in position up to the next sample, from `apart_at_sample`.
+
+    Their torques differ by no more than their commands in this interval, whose derivatives are still in ``cols``: that
+    adds as much to the root of the energy of their difference, a speed.
+    """
+    width = space.width
+    older, newer = 0.0, 0.0
+    for c in range(m):
+        older += abs(space.cols[width * width + c]) * space.residual[c]
+        newer += abs(space.cols[width * width + width + c]) * space.residual[c]
+    turn_finger(space.spare, body)
+    far = far_apart(body.cogs, space.spare, space.orbit[0], body)
+    return far + reach_on(body.cogs, space.orbit[0], body) * max(older, newer)
+
+
+def room_left(body, space):
+    """How far apart motions may be until teeth part, or a corner of cogging is passed, anywhere in the period."""
+    return flank_room(space.marks[2], body) if body.play > 0.0 else space.marks[2]
+
+
 def within(before, ring, head, period, body, wall, space, m):
     """Whether differences up to ``away`` at the start of every period leave each sample on its side of every edge.
 
-    Returns ``(whether, bound)``: the latter on the error of every sample that an error up to ``power`` at the start
-    means.
+    Teeth that press must then not part, nor any corner of cogging be passed, between samples either. Returns
+    ``(whether, bound)``: the latter on the error of every sample that an error up to ``power`` at the start means.
+    ``space.trail`` is left with how far each sample may be off, as far as it reaches.
     """
     width = space.width
+    stays = body.play > 0.0 or has_cogs(body.cogs)
     begin_period(ring, body, space, m)
     for i in range(m):
         space.residual[i] = space.away[i]
     last, bound = space.residual[width - 1], 0.0
-    for _ in range(period):
+    for k in range(period):
         x = space.state[0]
         reach, error = 0.0, 0.0
         for c in range(m):
@@ -132,9 +178,19 @@ def within(before, ring, head, period, body, wall, space, m):
         if not max(reach, last) < edge_gap(x, read(x, wall), before, wall):
             return False, bound
         last = reach
+        if k < len(space.trail):
+            space.trail[k] = reach
+        if stays:
+            apart_at_sample(body, space, m)
         before, head = advance_columns(
             space.state, before, space.line, head, body, wall, space.pad, space.cols, m, width, space.marks
         )
+        if stays:
+            far = far_between_samples(body, space, m)
+            if bends(wall) > 0.0:  # all numbers may be off by as much again (`bent`), and the command by what it bends
+                far = 2.0 * far + reach_on(body.cogs, space.orbit[0], body) * bends(wall) * (2.0 * reach) ** 2
+            if not far < room_left(body, space):
+                return False, bound
     return True, bound
 
 
@@ -193,6 +249,9 @@ def certify(z, before, ring, head, period, body, wall, space):
                 space.reading[0] = start
     if not closure < 1e-6 * (reach + pace):
         return DIFFERENT, 0.0, 0.0, 0.0, 0.0
+    stands = has_curve(wall.curve) and period > 1
+    if stands and pace <= size:
+        return DIFFERENT, 0.0, 0.0, 0.0, 0.0  # at rest
     if not solved:
         return NEUTRAL, margin, edge, closure, 0.0
     # Every interval adds some roundings; those of one have decayed, or add up at most, over a period.
@@ -205,6 +264,8 @@ def certify(z, before, ring, head, period, body, wall, space):
             total += abs(space.matrix[i * 2 * m + m + j]) * part
         space.away[i] = total
     bound = space.away[0]
+    if stands and pace <= STILL * bound:
+        return DIFFERENT, 0.0, 0.0, 0.0, 0.0
     scale = max(pace / (reach + pace), LEAST_SCALE) if pace > 0.0 else 1.0
     turn_finger(space.away, body)
     far, spread = far_apart(body.cogs, space.away, space.orbit[0], body), norm(space.away, body)
@@ -247,7 +308,20 @@ def certify(z, before, ring, head, period, body, wall, space):
     for j in range(delay):
         space.residual[n + j] = ring[j] - space.orbit_line[j]
     space.residual[width - 1] = before - start
+    curved, off = bends(wall) > 0.0, 0.0
+    if curved:
+        for i in range(m):
+            off = max(off, abs(space.residual[i]))
+        # Of a motion beside cogging all numbers are bounded at the start of a period alone.
+        known = period <= len(space.trail) and (period == 1 or not (body.play > 0.0 or has_cogs(body.cogs)))
+        if not known or not growth_bound(space.cols, width, space.power, space.spare, space.total, m, scale):
+            return EXPANDS, margin, edge, closure, bound
     if not bound_growth(space, m, scale, period):
         return EXPANDS, margin, edge, closure, bound
     near, bound = within(start, ring, head, period, body, wall, space, m)
+    if near and curved:
+        near, more = holds_though_bent(start, head, period, body, wall, space, scale)
+        bound += more
+        if not near and off <= AT_ONCE * (reach + pace):
+            return EXPANDS, margin, edge, closure, bound
     return (PROVEN if near else NOT_CAPTURED), margin, edge, closure, bound

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from math import inf
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +33,7 @@ from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, CYCLE
 from hknob_cli.engine.general.jitter import TRIAL
 from hknob_cli.engine.general.laws.law import CYCLE_AT_SWITCH, CYCLE_NOT_AFFINE, REST_NOT_PROVEN
 from hknob_cli.engine.general.period_map import Space
-from hknob_cli.engine.general.torque_table import HEAD
+from hknob_cli.engine.general.torque_range import torque_range
 from hknob_cli.engine.outcome import Outcome, Reason
 
 GENERAL_FATES = {
@@ -55,39 +55,6 @@ FREELY = 10.0  # times that a sample of the general loop takes longer in the int
 MOST_PIECES = 200_000  # of a period that is measured
 
 Array = NDArray[np.float64]
-
-
-class TorqueRange(NamedTuple):
-    """What a torque over the angle amounts to, far out.
-
-    ``least``, ``most``: commands, infinite where a spring grows with the angle; ``turn``: counts after which it repeats
-    for ever, on a side without a spring, 0 where there is none; ``span``: counts out to which it is of another kind.
-    """
-
-    least: float
-    most: float
-    turn: float
-    span: float
-
-
-def torque_range(wall: Controller) -> TorqueRange:
-    """The range of a controller's commands over all angles."""
-    if wall.table is None:
-        return TorqueRange(0.0, inf if wall.kappa > 0.0 or wall.damping > 0.0 else 0.0, 0.0, 0.0)
-    table = np.asarray(wall.table)
-    size = (len(table) - HEAD) // 3
-    first, turn, below, above = (float(value) for value in table[:HEAD])
-    commands = table[HEAD : HEAD + size]
-    commands = np.where(np.abs(commands) < wall.band, 0.0, commands)
-    if wall.step > 0.0:
-        commands = wall.step * np.floor(commands / wall.step + 0.5)
-    commands = np.clip(commands, -wall.limit, wall.limit)
-    return TorqueRange(
-        least=-inf if above < 0.0 or wall.damping > 0.0 else float(commands.min()),
-        most=inf if below < 0.0 or wall.damping > 0.0 else float(commands.max()),
-        turn=0.0 if turn == 1.0 or (below < 0.0 and above < 0.0) else turn,
-        span=max(abs(first), abs(first + size)),
-    )
 
 
 class PeriodSegments:
@@ -128,6 +95,7 @@ def make_space(order: int, delay: int, zeros: Callable[[int], Any]) -> Space:
 def as_list(wall: Controller) -> Controller:
     """The controller with lists in place of its arrays, for the interpreter, which is quicker on them."""
     wall = wall if wall.clock is None else wall._replace(clock=list(wall.clock))
+    wall = wall if wall.curve is None else wall._replace(curve=wall.curve.tolist())
     return wall if wall.table is None else wall._replace(table=wall.table.tolist())
 
 
@@ -170,8 +138,8 @@ class GeneralEngine(Runner):
         """
         budget = max_samples or min(sample_limit(rate, body.damped), MOST_SAMPLES[min(body.order, 3)])
         spring = body.beta if body.ratio == 0.0 else (1.0 / body.reach**2 if body.reach < inf else 0.0)
-        scale = trial_scale(start[0], start[1], body.push, wall.kappa, spring)
         over = self.torques(wall)
+        scale = trial_scale(start[0], start[1], body.push, wall.kappa + over.spring, spring)
         scale = max(scale, over.span)
         if not scale < FINEST:
             return Search(attractors=(whole(Outcome.UNDECIDED, Reason.TOO_FINE, phases),), samples=0)

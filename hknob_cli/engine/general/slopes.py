@@ -77,9 +77,11 @@ def cog_columns(cogs, z, u, span, body, pad, cols, command, count, width, marks)
         return
     left = span
     slope = slope_at(z[0], cogs)
-    mode = way_from(z, u, slope, body)
-    fresh = mode != 0 and z[1] == 0.0
     rubs = body.friction > 0.0
+    mode = way_from(z, u, slope, body)
+    if mode == 0 and not rubs:
+        mode = FREE  # it balances, to the last bit, and nothing holds it
+    fresh = mode != 0 and z[1] == 0.0
     if rubs and z[1] == 0.0:
         marks[0] = min(marks[0], abs(abs(cog_acceleration(z, u, slope, body)) - body.friction))
     marks[2] = min(marks[2], room_on(z[0], slope, cogs))

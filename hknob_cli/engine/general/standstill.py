@@ -6,9 +6,17 @@ from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import acceleration, coil_at, distance
 from hknob_cli.engine.general.cog_rest import keeps_to_slope, settles_free
 from hknob_cli.engine.general.cogging import PEAK, cog_number, cog_pull, has_cogs
-from hknob_cli.engine.general.controller import command, edge_gap, goes_on
-from hknob_cli.engine.general.inner_region import ROUNDINGS, come_to_rest, keeps_reading
+from hknob_cli.engine.general.controller import command, edge_gap, follows, goes_on
+from hknob_cli.engine.general.inner_region import (
+    ROUNDINGS,
+    come_to_rest,
+    gives_nothing,
+    hold_zone,
+    keeps_reading,
+)
+from hknob_cli.engine.general.jitter import jitters
 from hknob_cli.engine.general.teeth import flank_room, held_in_teeth
+from hknob_cli.engine.general.torque_curve import has_curve
 from hknob_cli.engine.general.torque_table import is_there
 from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, REST_ON_EDGE, RINGS
 
@@ -67,6 +75,32 @@ def rest_rounding(z, rest, u, body):
     return ROUNDINGS * EPSILON * (1.0 + abs(rest) + abs(z[0]) + size)
 
 
+def is_followed(shown, wall):
+    """Whether a command follows the angle of a continuous sensor, so that it changes until the knob stands still."""
+    if wall.analog == 0.0:
+        return False
+    return follows(shown, wall) if has_curve(wall.curve) else shown < 0.0
+
+
+def comes_to_rest(z, shown, u, body, wall, delay, orbit):
+    """Whether a command that follows the knob brings it to rest, whatever the intervals: ``(whether, gap)``.
+
+    By energy, as `inner_region` has it, without friction: it falls as long as anything moves. The rest is left in
+    ``orbit``; the gap is its distance to the nearest change of the command's slope.
+    """
+    if not follows(shown, wall) or not gives_nothing(shown, delay, body, wall) or not body.alpha > 0.0:
+        return False, 0.0
+    stiffness, low, high = hold_zone(u, shown, body, wall)
+    if not stiffness > 0.0:
+        return False, 0.0
+    rest = 0.5 * (low + high)
+    dx, dv = z[0] - rest, z[1]
+    reach = sqrt(dx * dx + dv * dv / stiffness) + abs(low - high)
+    orbit[0], orbit[1] = rest, 0.0
+    gap = edge_gap(rest, rest, rest, wall)
+    return reach + ROUNDINGS * EPSILON * (1.0 + abs(rest) + abs(z[0])) < gap, gap
+
+
 def settles(z, shown, before, ring, body, wall, orbit, away):
     """Fate of a trial whose reading goes on: ``(fate, margin)``; the rest point is left in ``orbit``.
 
@@ -85,19 +119,24 @@ def settles(z, shown, before, ring, body, wall, orbit, away):
     if body.friction > 0.0:
         if not stays_held(z, u, body):
             if has_cogs(body.cogs):
+                if is_followed(shown, wall):
+                    return MOVING, gap
                 keeps, gap = keeps_to_slope(body.cogs, z, u, shown, 0.0, 0.0, body, wall, orbit, away)
                 return (SETTLING if keeps else MOVING), gap
             keeps, gap = keeps_reading(z, shown, u, body, wall, len(ring), orbit, away)
             if keeps:
                 come_to_rest(z, shown, u, body, wall, orbit)
             return (SETTLING if keeps else MOVING), gap
-        if wall.analog > 0.0 and shown < 0.0:
+        if wall.analog > 0.0 and shown < 0.0 and not has_curve(wall.curve):
             return AT_REST, gap
         return (AT_REST if gap > ROUNDINGS * EPSILON * (1.0 + abs(z[0])) else REST_ON_EDGE), gap
+    if is_followed(shown, wall):
+        if jitters(wall.clock) and not has_cogs(body.cogs):
+            rests, gap = comes_to_rest(z, shown, u, body, wall, len(ring), orbit)
+            return (AT_REST if rests else MOVING), gap
+        return MOVING, gap
     if has_cogs(body.cogs):
         return settles_free(body.cogs, z, u, shown, 0.0, 0.0, body, wall, orbit, away)
-    if wall.analog > 0.0 and shown < 0.0:
-        return MOVING, gap
     drive = u - body.push
     if body.ratio > 0.0:
         if body.pad_stiffness == 0.0 or body.finger_stiffness == 0.0:
@@ -121,7 +160,8 @@ def settles(z, shown, before, ring, body, wall, orbit, away):
     for i in range(n):
         away[i] = z[i] - orbit[i]
     rest = orbit[0]
-    gap = edge_gap(rest, shown, shown, wall)
+    seen = rest if has_curve(wall.curve) else shown
+    gap = edge_gap(rest, seen, seen, wall)
     bound = rest_rounding(z, rest, u, body)
     reach = distance(away, body)
     if body.play > 0.0 and not reach + bound < flank_room(body.pad_stiffness * orbit[2], body):

@@ -42,6 +42,9 @@ def test_columns_are_brought_back_to_length_one(m: int, width: int) -> None:
     assert nothing == [0.0] * (width * width)
 
 
+COUNTED = SimpleNamespace(analog=0.0)  # a wall that reads counts
+
+
 class Map:
     """An interval that multiplies every column by a matrix, and counts."""
 
@@ -69,7 +72,7 @@ def test_the_rate_is_the_mean_logarithm_of_a_growth(monkeypatch: pytest.MonkeyPa
         one, space = Map(matrix), make_space(2, 3, zeros)
         monkeypatch.setattr(parting, "advance_columns", one.advance)
         z = [5.0, 6.0]
-        found = parting_rate(z, -3.0, [1.0, 2.0, 3.0], 40, SimpleNamespace(order=2), "wall", space)
+        found = parting_rate(z, -3.0, [1.0, 2.0, 3.0], 40, SimpleNamespace(order=2), COUNTED, space)
         true = np.linalg.norm(np.linalg.matrix_power(one.matrix, 40))
         assert found == pytest.approx(log(true) / 40.0, rel=1e-12)
         assert found == pytest.approx(rate, abs=0.01)
@@ -78,7 +81,7 @@ def test_the_rate_is_the_mean_logarithm_of_a_growth(monkeypatch: pytest.MonkeyPa
     one = Map([[0.0, 1.0], [0.0, 0.0]])
     monkeypatch.setattr(parting, "advance_columns", one.advance)
     two = SimpleNamespace(order=2)
-    assert parting_rate([5.0, 6.0], -3.0, [], 40, two, "wall", make_space(2, 0, zeros)) == -inf
+    assert parting_rate([5.0, 6.0], -3.0, [], 40, two, COUNTED, make_space(2, 0, zeros)) == -inf
     assert len(one.seen) == 2
 
 

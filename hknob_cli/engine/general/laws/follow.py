@@ -25,6 +25,7 @@ from hknob_cli.engine.general.follow import (
     downgrade,
     has_period,
     may_be_captured,
+    turn_level,
 )
 from hknob_cli.engine.general.jitter import jitters
 from hknob_cli.engine.general.laws.cascade import (
@@ -42,6 +43,7 @@ from hknob_cli.engine.general.laws.rest import settles_with_law
 from hknob_cli.engine.general.laws.step import advance_jittering_with_law, advance_with_law
 from hknob_cli.engine.general.period_map import EXPANDS, PARTS
 from hknob_cli.engine.general.standstill import SETTLING
+from hknob_cli.engine.general.torque_curve import has_curve, place_at
 from hknob_cli.engine.rest import AT_REST, REST_ON_EDGE, RINGS
 
 LOOK_AGAIN = 64  # samples of one reading
@@ -157,6 +159,7 @@ def follow_with_law(trial, budget, body, wall, law):
     on_edge, settling = False, False
     shown = read_after(z[0], past[law.line - 1], wall)
     run, next_test = 0, FIRST_REST_TEST
+    level, x_before = 0.0, z[0]
     i = 0
     while i < samples:
         x = z[0]
@@ -173,6 +176,11 @@ def follow_with_law(trial, budget, body, wall, law):
         shown = read_now
         if law.watch.damping == 0.0:
             shown = depth_level(shown, wall)
+        falls = shown < last
+        if has_curve(wall.curve):
+            shown = 2.0 * place_at(x, wall.curve) + (1.0 if x < 0.0 else 0.0)
+            level_before, level = level, turn_level(x, x_before, level)
+            falls, x_before = level < level_before, x
         if shown == last:
             run += 1
             if run >= next_test:
@@ -197,7 +205,7 @@ def follow_with_law(trial, budget, body, wall, law):
                 have = True
                 copy_to(check, z)
                 copy_to(checkpast, past)
-        elif shown < last or again:
+        elif falls or again:
             # What is not proven to rest by its readings may still come to a standstill within one count.
             if have:
                 for j in range(n):

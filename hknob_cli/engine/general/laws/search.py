@@ -1,7 +1,7 @@
 """What the trials of a cell under a law settle to: `general.search.GeneralEngine` with the law's own loop."""
 
 from collections.abc import Callable
-from math import inf
+from math import inf, nan
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,8 @@ from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.ensemble import Batch, TrialSpace
 from hknob_cli.engine.general.laws import parting, step, trials
 from hknob_cli.engine.general.laws.law import Law
-from hknob_cli.engine.general.search import GeneralEngine, TorqueRange, torque_range
+from hknob_cli.engine.general.search import GeneralEngine
+from hknob_cli.engine.general.torque_range import TorqueRange, torque_range
 
 
 class LawEngine(GeneralEngine):
@@ -53,7 +54,7 @@ class LawEngine(GeneralEngine):
     def torques(wall: Controller) -> TorqueRange:
         """As `GeneralEngine.torques`: beside a torque over the angle the law may command any."""
         over = torque_range(wall)
-        return over if wall.table is None else over._replace(least=-inf, most=inf)
+        return over if wall.table is None and wall.curve is None else over._replace(least=-inf, most=inf)
 
     def _ready(self, law: Law) -> Law:
         """The law as the loop wants it: compiled, its numbers arrays."""
@@ -73,6 +74,8 @@ class LawEngine(GeneralEngine):
         self, state: Any, before: float, past: Any, samples: int, body: Any, wall: Any, space: Any
     ) -> float:
         del before
+        if wall.analog > 0.0:
+            return nan  # what a law remembers of a continuous sensor's readings parts, too
         return float(self._rate(state, past, samples, body, wall, self._law, space))
 
     def _chart_with_law(

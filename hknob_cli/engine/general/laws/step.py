@@ -8,6 +8,7 @@ from hknob_cli.engine.general.jitter import begin_clock, meant_pace, next_span
 from hknob_cli.engine.general.laws.law import LOOK, MATRIX, PIECE, SPAN, TORQUE, F, G, S
 from hknob_cli.engine.general.slide_two import step_with_friction
 from hknob_cli.engine.general.slopes import cog_many
+from hknob_cli.engine.general.torque_curve import curve_torque, has_curve
 from hknob_cli.engine.general.torque_table import command_at, is_there
 from hknob_cli.engine.general.trace import chart
 
@@ -57,6 +58,8 @@ def decide(shown, speed, past, wall, law):
         u = law.unit * law.out[i] - brake
         if is_there(wall.table) and not silent:
             u += command_at(shown, wall.table)
+        if has_curve(wall.curve) and not silent:
+            u += curve_torque(shown, wall.curve)
         if law.senses:
             slope, room = driven_slope(u, law.unit * law.out[law.parts + i], wall)
             law.out[law.parts + i] = slope

@@ -14,6 +14,7 @@ from hknob_cli.engine.general.laws.follow import fate_of, follow_with_law
 from hknob_cli.engine.general.laws.law import CYCLE_AT_SWITCH, CYCLE_NOT_AFFINE, REST_NOT_PROVEN
 from hknob_cli.engine.general.laws.period import certify_with_law
 from hknob_cli.engine.general.laws.step import advance_jittering_with_law, advance_with_law, begin_past
+from hknob_cli.engine.general.torque_curve import has_curve, place_at
 
 SAME = 1e-9  # of what is remembered at one sample of an orbit and at another, relative
 
@@ -76,6 +77,8 @@ def enter_with_law(fate, period, trial, body, wall, law):
     shown = read_after(z[0], past[law.line - 1], wall) if rest and body.friction > 0.0 else float("nan")
     if wall.analog > 0.0 and shown == shown:
         shown = -1.0 if z[0] < 0.0 else 0.0
+        if has_curve(wall.curve):
+            shown += 2.0 * place_at(z[0], wall.curve)
     row = find(fate, period, z, shown, rows, table, states, n)
     if cycle and row == rows:
         status, margin, edge, closure, bound = certify_with_law(z, past, period, body, wall, law, space)

@@ -12,7 +12,7 @@ import numpy as np
 
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller
-from hknob_cli.engine.general.search import torque_range
+from hknob_cli.engine.general.torque_range import torque_range
 from hknob_cli.engine.general.torque_table import HEAD
 from hknob_cli.engine.loop import Loop, make_loop, upper_edge
 from hknob_cli.engine.sets.absorbing import Limits, pushes

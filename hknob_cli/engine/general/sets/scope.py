@@ -6,7 +6,8 @@ from typing import NamedTuple
 from hknob_cli.engine.budget import FINEST, sample_limit, settling_samples, trial_scale
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller
-from hknob_cli.engine.general.search import MOST_SAMPLES, torque_range
+from hknob_cli.engine.general.search import MOST_SAMPLES
+from hknob_cli.engine.general.torque_range import torque_range
 
 LONGEST = {2: 1_000_000_000, 3: 100_000_000}  # samples that a cell may take: some minutes; 3: of more states, too
 
