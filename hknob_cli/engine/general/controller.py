@@ -101,7 +101,7 @@ def is_sent(u, wall):
 
 def slopes(shown, before, wall):
     """Derivatives of the command by ``shown`` and by ``before``: zero except for a continuous sensor."""
-    if wall.analog > 0.0 and has_curve(wall.curve):
+    if has_curve(wall.curve):
         u, slope, _, _, damping = curve_wanted(shown, before, wall)
         return (slope - damping, damping) if is_sent(u, wall) else (0.0, 0.0)
     if wall.analog == 0.0 or not shown < 0.0 or wall.step > 0.0:
@@ -114,7 +114,7 @@ def slopes(shown, before, wall):
 
 def follows(shown, wall):
     """Whether the command follows every move of the knob: a continuous sensor on a slope, nothing saturated."""
-    if wall.analog > 0.0 and has_curve(wall.curve):
+    if has_curve(wall.curve):
         u, _, _, steepest, damping = curve_wanted(shown, shown, wall)
         return steepest + damping > 0.0 and is_sent(u, wall)
     slope, _ = slopes(shown, shown, wall)
@@ -196,7 +196,7 @@ def edge_gap(x, shown, before, wall):
 
     With hysteresis ``before`` is the count of `read_after`, and does not move.
     """
-    if wall.analog > 0.0 and has_curve(wall.curve):
+    if has_curve(wall.curve):
         u, _, gap, steepest, damping = curve_wanted(shown, before, wall)
         slope = steepest + 2.0 * damping
         return min(gap, sent_gap(u, slope, wall)) if slope > 0.0 else gap
@@ -225,7 +225,7 @@ def edge_gap(x, shown, before, wall):
 
 def count_gap(x, wall):
     """Distance from ``x`` to the nearest count edge; without an encoder to the wall's edge, or a knee of a curve."""
-    if wall.analog > 0.0 and has_curve(wall.curve):
+    if has_curve(wall.curve):
         return curve_wanted(x, x, wall)[2]
     if wall.analog > 0.0:
         return abs(x)

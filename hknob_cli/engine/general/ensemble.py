@@ -13,16 +13,9 @@ from hknob_cli.engine.follow import (
 )
 from hknob_cli.engine.general.advance import advance_span
 from hknob_cli.engine.general.body import copy_to
+from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.controller import read, read_after
-from hknob_cli.engine.general.follow import (
-    CYCLE_AT_EVENT,
-    CYCLE_EXPANDS,
-    CYCLE_PARTS,
-    FIELDS,
-    KNOWN,
-    downgrade,
-    follow_trial,
-)
+from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, CYCLE_PARTS, KNOWN, downgrade, follow_trial
 from hknob_cli.engine.general.interval import advance, pass_over
 from hknob_cli.engine.general.jitter import begin_clock
 from hknob_cli.engine.general.laws.law import REST_NOT_PROVEN

@@ -16,7 +16,8 @@ from hknob_cli.engine.follow import (
     same_line,
 )
 from hknob_cli.engine.general.body import copy_to
-from hknob_cli.engine.general.cogging import far_apart, gap_apart, has_cogs, has_gone
+from hknob_cli.engine.general.captured import came_back, captured, has_period, may_be_captured, turn_level
+from hknob_cli.engine.general.cogging import gap_apart, has_cogs, has_gone
 from hknob_cli.engine.general.controller import command, depth_level, inside, read, read_after
 from hknob_cli.engine.general.inner_region import stands
 from hknob_cli.engine.general.interval import advance, advance_jittering, rubs_alone
@@ -35,51 +36,8 @@ KNOWN = 11  # reaches an orbit that another trial has proven
 WAIT = -1  # a candidate left for later
 BESIDE = 1e-6  # counts from a cycle through the play of teeth, at which a trial is not followed further
 PATIENCE = 12  # times that one is, each at a quarter of the gap
-LOOK_AGAIN = 64  # samples after which a continuous sensor's motion is compared, where the clock jitters
-CLOSE = 1e-12  # of a position: so close it has come to a standstill
+LOOK_AGAIN = 64  # samples after which a motion that may stand still is compared
 PROOF_COST = 8  # periods that a trial with a continuous sensor goes on for after an attempt that took about as many
-FIELDS = 10  # of an attractor: fate, period, margin, edge, closure, bound, trials, least, most position, reading before
-
-
-def may_be_captured(x, trial, body):
-    """Whether a position is within the margin of the deepest sample of a proven orbit."""
-    for row in range(int(trial.counts[0])):
-        base = row * FIELDS
-        if abs(x - trial.states[row * body.order]) < trial.table[base + 2] and trial.table[base] == CYCLE_PROVEN:
-            return True
-    return False
-
-
-def captured(trial, before, head, body, wall):
-    """Row of the proven orbit so close, at its deepest sample, to a trial that it is followed for ever; -1 if none."""
-    z, ring, away = trial.z, trial.ring, trial.space.away
-    table, states, lines = trial.table, trial.states, trial.lines
-    n, delay = body.order, len(ring)
-    for row in range(int(trial.counts[0])):
-        base = row * FIELDS
-        margin = table[base + 2] - table[base + 5]
-        if table[base] != CYCLE_PROVEN or abs(z[0] - states[row * n]) >= margin:
-            continue
-        if wall.damping > 0.0 and before != table[base + 9]:
-            continue
-        if wall.hysteresis > 0.0 and inside(before, wall) != inside(table[base + 9], wall):
-            continue
-        same = True
-        for j in range(delay):
-            same = same and ring[(head + j) % delay] == lines[row * delay + j]
-        for j in range(n):
-            away[j] = z[j] - states[row * n + j]
-        if same and far_apart(body.cogs, away, states[row * n], body) < margin:
-            return row
-    return -1
-
-
-def has_period(period, rows, table):
-    """Whether a proven orbit has a period that divides ``period``."""
-    for row in range(rows):
-        if table[row * FIELDS] == CYCLE_PROVEN and period % int(table[row * FIELDS + 1]) == 0:
-            return True
-    return False
 
 
 def rub_on(x, v, shown, most, since, limit, trial, body, wall):
@@ -208,26 +166,6 @@ def last_look(trial, shown, before, head, body, wall, settling, on_edge):
     if fate == MOVING and contracts_to_rest(trial, shown, before, head, body, wall):
         return REST_PROVEN, 1, z[0]
     return (UNSETTLED if body.damped else UNDAMPED), 0, before
-
-
-def turn_level(shown, last, level):
-    """Level that falls where a motion has turned down: beside a curve an event that no cycle lacks."""
-    if shown == last:
-        return level
-    return 1.0 if shown > last else 0.0
-
-
-def came_back(trial, head, chead, body):
-    """Whether a motion is where it was at the checkpoint, with the commands under way."""
-    z, ring, away = trial.z, trial.ring, trial.space.away
-    delay = len(ring)
-    for j in range(body.order):
-        away[j] = z[j] - trial.check[j]
-    for j in range(delay):
-        u = ring[(head + j) % delay]
-        if not abs(u - trial.check_ring[(chead + j) % delay]) <= CLOSE * (1.0 + abs(u)):
-            return False
-    return gap_apart(body.cogs, away, body) <= CLOSE * (1.0 + abs(z[0]))
 
 
 def follow_trial(trial, before, head, budget, body, wall):

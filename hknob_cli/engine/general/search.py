@@ -27,9 +27,10 @@ from hknob_cli.engine.attractors import (
 from hknob_cli.engine.budget import FINEST, TrialBudget, sample_limit, settling_samples, trial_scale
 from hknob_cli.engine.general import ensemble, parting, trace
 from hknob_cli.engine.general.body import Body
+from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.cogging import PEAK, cog_number
 from hknob_cli.engine.general.controller import Controller
-from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, CYCLE_PARTS, FIELDS
+from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, CYCLE_PARTS
 from hknob_cli.engine.general.jitter import TRIAL
 from hknob_cli.engine.general.laws.law import CYCLE_AT_SWITCH, CYCLE_NOT_AFFINE, REST_NOT_PROVEN
 from hknob_cli.engine.general.period_map import Space

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from hknob_cli.engine.follow import CYCLE_PROVEN
 from hknob_cli.engine.general.advance import rub_many
+from hknob_cli.engine.general.captured import FIELDS, captured
 from hknob_cli.engine.general.controller import Controller, edge_gap, read_after
-from hknob_cli.engine.general.follow import FIELDS, captured
 from hknob_cli.engine.general.hysteresis import pass_still, turn_and_count, way_at_most
 from hknob_cli.engine.general.search import GeneralEngine, make_space
 from hknob_cli.errors import ComputationError

@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 
 from hknob_cli.engine.follow import CYCLE_PROVEN, REST_PROVEN, UNSETTLED
 from hknob_cli.engine.general import ensemble, follow
+from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.controller import depth_level, read
-from hknob_cli.engine.general.follow import FIELDS, KNOWN, follow_trial, rub_on
+from hknob_cli.engine.general.follow import KNOWN, follow_trial, rub_on
 from hknob_cli.engine.general.interval import advance, rubs_alone
 from hknob_cli.engine.general.search import GeneralEngine, as_list
 from tests.engine.general.bodies import knob

@@ -11,7 +11,7 @@ import pytest
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.follow import CYCLE_PROVEN, GREW, REST_PROVEN, UNSETTLED
-from hknob_cli.engine.general.follow import FIELDS
+from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.sets import friction_box
 from hknob_cli.engine.general.sets.box import ENDED, KEPT, PARTED, UNPROVEN
 from hknob_cli.engine.general.sets.friction_box import OFTEN, follow_friction, follow_piece, sample_with_law

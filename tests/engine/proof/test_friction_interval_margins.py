@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from hknob_cli.engine.general.follow import FIELDS
+from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.sets import friction_phases
 from hknob_cli.engine.general.sets.box import ENDED, KEPT, PARTED
 from hknob_cli.engine.general.sets.box import UNPROVEN as NOT_PROVEN

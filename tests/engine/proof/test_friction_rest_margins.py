@@ -12,8 +12,8 @@ import pytest
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.follow import REST_PROVEN
 from hknob_cli.engine.general.body import Body
+from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.controller import read
-from hknob_cli.engine.general.follow import FIELDS
 from hknob_cli.engine.general.inner_region import hold_zone
 from hknob_cli.engine.general.search import make_space
 from hknob_cli.engine.general.sets import friction_rest

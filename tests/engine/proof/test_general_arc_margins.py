@@ -16,7 +16,7 @@ from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.follow import CYCLE_ON_EDGE, CYCLE_PROVEN, REST_PROVEN, UNSETTLED
 from hknob_cli.engine.follow import GREW as GREW_FATE
 from hknob_cli.engine.general.body import Body, norm
-from hknob_cli.engine.general.follow import FIELDS
+from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.sets import arc
 from hknob_cli.engine.general.sets.arc import (
     ARC_BEFORE,

@@ -15,7 +15,7 @@ import pytest
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.follow import CYCLE_ON_EDGE, CYCLE_PROVEN, REST_PROVEN, UNSETTLED
 from hknob_cli.engine.follow import GREW as GREW_FATE
-from hknob_cli.engine.general.follow import FIELDS
+from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.sets import box
 from hknob_cli.engine.general.sets.ball import (
     CAPTURED,

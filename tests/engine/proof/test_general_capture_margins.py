@@ -9,8 +9,8 @@ import pytest
 
 from hknob_cli.engine.follow import CYCLE_ON_EDGE, CYCLE_PROVEN, GREW, REST_PROVEN, UNSETTLED
 from hknob_cli.engine.general.body import Body
+from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.controller import Controller, command, inside, read
-from hknob_cli.engine.general.follow import FIELDS
 from hknob_cli.engine.general.interval import advance, hold
 from hknob_cli.engine.general.search import make_space
 from hknob_cli.engine.general.sets import ball, known

@@ -23,6 +23,7 @@ from hknob_cli.engine.follow import (
     UNSETTLED,
 )
 from hknob_cli.engine.general import ensemble
+from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.ensemble import (
     Batch,
     TrialSpace,
@@ -35,7 +36,7 @@ from hknob_cli.engine.general.ensemble import (
     is_cycle,
     run_trials,
 )
-from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, CYCLE_PARTS, FIELDS, KNOWN
+from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, CYCLE_PARTS, KNOWN
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS
 from hknob_cli.engine.general.search import make_space
 from tests.engine.trial_space import trial_of

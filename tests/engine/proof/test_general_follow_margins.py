@@ -9,8 +9,9 @@ from hknob_cli.engine.certificate import DIFFERENT, NOT_CAPTURED, PROVEN
 from hknob_cli.engine.follow import CYCLE_ON_EDGE, CYCLE_PROVEN
 from hknob_cli.engine.general import follow
 from hknob_cli.engine.general.body import Body
+from hknob_cli.engine.general.captured import FIELDS, captured, has_period
 from hknob_cli.engine.general.controller import Controller, read
-from hknob_cli.engine.general.follow import FIELDS, captured, closes_in, contracts_to_rest, has_period
+from hknob_cli.engine.general.follow import closes_in, contracts_to_rest
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.search import make_space
 from tests.engine.trial_space import trial_of

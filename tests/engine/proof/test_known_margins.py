@@ -8,7 +8,7 @@ import pytest
 
 from hknob_cli.engine.certificate import DIFFERENT, NOT_CAPTURED, PROVEN
 from hknob_cli.engine.follow import CYCLE_ON_EDGE, CYCLE_PROVEN, REST_PROVEN
-from hknob_cli.engine.general.follow import FIELDS
+from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.sets import known
 
 from .friction_work import body_of, wall_of

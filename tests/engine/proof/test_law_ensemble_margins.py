@@ -19,8 +19,9 @@ from hknob_cli.engine.follow import (
     REST_PROVEN,
     UNSETTLED,
 )
+from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.ensemble import Batch, TrialSpace
-from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, CYCLE_PARTS, FIELDS, KNOWN
+from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, CYCLE_PARTS, KNOWN
 from hknob_cli.engine.general.laws import trials
 from hknob_cli.engine.general.laws.law import AT_SWITCH, CYCLE_AT_SWITCH, CYCLE_NOT_AFFINE, REST_NOT_PROVEN
 from hknob_cli.engine.general.laws.trials import (

@@ -8,7 +8,7 @@ import pytest
 from hknob_cli.engine.budget import FINEST
 from hknob_cli.engine.follow import CYCLE_ON_EDGE, GREW, UNSETTLED
 from hknob_cli.engine.general.body import Body
-from hknob_cli.engine.general.follow import FIELDS
+from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.search import GENERAL_FATES, make_space
 from hknob_cli.engine.general.sets import scope
 from hknob_cli.engine.general.sets.arc import arc_size

@@ -14,19 +14,10 @@ from hknob_cli.engine.follow import (
     UNSETTLED,
 )
 from hknob_cli.engine.general.body import copy_to
+from hknob_cli.engine.general.captured import CLOSE, FIELDS, has_period, may_be_captured, turn_level
 from hknob_cli.engine.general.cogging import gap_apart, has_gone
 from hknob_cli.engine.general.controller import depth_level, read_after
-from hknob_cli.engine.general.follow import (
-    BESIDE,
-    FIELDS,
-    KNOWN,
-    PATIENCE,
-    WAIT,
-    downgrade,
-    has_period,
-    may_be_captured,
-    turn_level,
-)
+from hknob_cli.engine.general.follow import BESIDE, KNOWN, LOOK_AGAIN, PATIENCE, WAIT, downgrade
 from hknob_cli.engine.general.jitter import jitters
 from hknob_cli.engine.general.laws.cascade import (
     apart,
@@ -45,9 +36,6 @@ from hknob_cli.engine.general.period_map import EXPANDS, PARTS
 from hknob_cli.engine.general.standstill import SETTLING
 from hknob_cli.engine.general.torque_curve import has_curve, place_at
 from hknob_cli.engine.rest import AT_REST, REST_ON_EDGE, RINGS
-
-LOOK_AGAIN = 64  # samples of one reading
-CLOSE = 1e-12  # counts, relative: so close a continuous sensor's motions come again, or they are followed to the end
 
 
 def fate_of(status, law):

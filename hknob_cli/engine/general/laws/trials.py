@@ -4,10 +4,11 @@ from hknob_cli.engine.certificate import DIFFERENT, NOT_CAPTURED, ON_EDGE, PROVE
 from hknob_cli.engine.ensemble import near
 from hknob_cli.engine.follow import CYCLE_PROVEN, REST_EDGE, REST_PROVEN, UNSETTLED
 from hknob_cli.engine.general.body import copy_to
+from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.cogging import has_gone
 from hknob_cli.engine.general.controller import read, read_after
 from hknob_cli.engine.general.ensemble import begin, count_end, enter_row, find, is_cycle
-from hknob_cli.engine.general.follow import FIELDS, KNOWN
+from hknob_cli.engine.general.follow import KNOWN
 from hknob_cli.engine.general.jitter import begin_clock, jitters
 from hknob_cli.engine.general.laws.cascade import nearly_same
 from hknob_cli.engine.general.laws.follow import fate_of, follow_with_law

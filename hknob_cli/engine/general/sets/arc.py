@@ -9,7 +9,7 @@ from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.follow import GREW as GREW_FATE
 from hknob_cli.engine.follow import UNSETTLED
 from hknob_cli.engine.general.body import norm
-from hknob_cli.engine.general.follow import FIELDS
+from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.sets.ball import CAPTURED, FIRST_REST_TEST, GREW, MEETS_EDGE, follow_ball, step_through
 from hknob_cli.engine.general.sets.curve import measure_arc, move_centre, place_on
 from hknob_cli.engine.general.sets.known import blame, fate_of, is_proven, seek

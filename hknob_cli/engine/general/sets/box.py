@@ -3,8 +3,8 @@
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.follow import GREW as GREW_FATE
 from hknob_cli.engine.follow import UNSETTLED
+from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.controller import read
-from hknob_cli.engine.general.follow import FIELDS
 from hknob_cli.engine.general.sets.ball import (
     CAPTURED,
     FIRST_REST_TEST,

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from hknob_cli.engine.attractors import Attractor
-from hknob_cli.engine.general.follow import FIELDS
+from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.period_map import Space
 from hknob_cli.engine.general.search import GENERAL_FATES, attractor_of
 from hknob_cli.engine.general.sets.known import NO_ROOM

@@ -5,7 +5,7 @@ As `box`, but that pieces are moved sample by sample: what friction does to thei
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.follow import GREW, UNSETTLED
-from hknob_cli.engine.general.follow import FIELDS
+from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.sets.box import ENDED, KEPT, PARTED, SECTION, SMALL, UNPROVEN
 from hknob_cli.engine.general.sets.convex import widest
 from hknob_cli.engine.general.sets.friction_piece import move_piece, part_piece

@@ -8,7 +8,7 @@ an interval that is nearly straight needs no more halving: its attractors share 
 
 from math import sqrt
 
-from hknob_cli.engine.general.follow import FIELDS
+from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.sets.box import ENDED, PARTED
 from hknob_cli.engine.general.sets.convex import area_of, widen
 from hknob_cli.engine.general.sets.friction_box import follow_piece

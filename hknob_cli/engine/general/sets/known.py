@@ -7,8 +7,9 @@ last reading. Reaches are bounds on a distance from the centre in `body.norm`, i
 from hknob_cli.engine.certificate import PROVEN
 from hknob_cli.engine.follow import CYCLE_PROVEN, GREW, REST_PROVEN, UNSETTLED
 from hknob_cli.engine.general.body import distance
+from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.controller import command, inside, read
-from hknob_cli.engine.general.follow import FIELDS, KNOWN
+from hknob_cli.engine.general.follow import KNOWN
 from hknob_cli.engine.general.sets.memory import (
     advance_memory,
     certify_again,

@@ -21,8 +21,8 @@ from typing import Any
 from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.attractors import USUAL, Patience
 from hknob_cli.engine.general.body import Body
+from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.controller import Controller
-from hknob_cli.engine.general.follow import FIELDS
 from hknob_cli.engine.general.laws.law import Law
 from hknob_cli.engine.general.laws.step import begin_past
 from hknob_cli.engine.general.sets import box, friction_box

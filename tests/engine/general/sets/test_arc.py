@@ -9,8 +9,8 @@ import pytest
 from hknob_cli.engine.follow import CYCLE_PROVEN
 from hknob_cli.engine.general.advance import advance_span
 from hknob_cli.engine.general.body import distance, norm
+from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.controller import read
-from hknob_cli.engine.general.follow import FIELDS
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.sets.arc import fill_arcs, follow_arcs
 from hknob_cli.engine.general.sets.curve import measure_arc, place_on

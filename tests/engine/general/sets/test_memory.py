@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from hknob_cli.engine.follow import CYCLE_PROVEN
+from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.controller import Controller, read
-from hknob_cli.engine.general.follow import FIELDS
 from hknob_cli.engine.general.laws.cascade import faded, same_count, torques_apart
 from hknob_cli.engine.general.laws.step import begin_past, decide
 from hknob_cli.engine.general.sets import known, memory

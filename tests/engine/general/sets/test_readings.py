@@ -36,6 +36,7 @@ walls = st.builds(
     split=st.just(0.0),
     band=st.sampled_from([0.0, 0.0, 0.3, 9.0]),
     clock=st.none(),
+    curve=st.none(),
 ).flatmap(lambda wall: st.sampled_from([wall, wall._replace(sense=-1.0, truncate=1.0)]))
 positions = st.one_of(st.floats(-50.0, 50.0), st.integers(-50, 50).map(float))
 
