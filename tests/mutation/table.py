@@ -106,7 +106,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/hysteresis.py": (f"{PROOF}test_hysteresis_margins.py", f"{GENERAL}test_turning_points.py"),
     "general/body.py": (f"{GENERAL}test_body.py",),
     "general/slide_many.py": (f"{PROOF}test_slide_margins.py",),
-    "general/controller.py": (f"{GENERAL}test_controller.py", f"{GENERAL}test_controller_edges.py"),
+    "general/controller.py": tuple(f"{GENERAL}test_controller{end}.py" for end in ("", "_edges", "_curve")),
     "general/every_clock.py": (f"{GENERAL}test_every_clock_steps.py", f"{GENERAL}test_clock_cells.py"),
     "general/ensemble.py": (f"{PROOF}test_general_ensemble_margins.py",),
     "general/clock_cells.py": (f"{GENERAL}test_clock_cells.py",),
