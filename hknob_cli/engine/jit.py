@@ -51,6 +51,7 @@ GENERAL = (
     "general.inner_region",
     "general.cog_rest",
     "general.standstill",
+    "general.looks",
     "general.follow",
     "general.ensemble",
     "general.trace",

@@ -1,7 +1,7 @@
 """A continuous sensor beside cogging, teeth with play, and a sample clock that jitters: what is proven is so.
 
 Cycles on one slope, or one flank, are derived again at 60 digits; and a trial from anywhere that the proof reaches
-keeps near and comes to the orbit. Rest beside a clock that jitters is tried by the worst intervals that we can think of.
+keeps near and comes to the orbit. Rest beside a clock that jitters is tried by the worst of some intervals.
 """
 
 from collections import Counter

@@ -22,6 +22,7 @@ from hknob_cli.engine.general.inner_region import stands
 from hknob_cli.engine.general.interval import advance, advance_jittering
 from hknob_cli.engine.general.jitter import jitters
 from hknob_cli.engine.general.laws.law import REST_NOT_PROVEN
+from hknob_cli.engine.general.looks import LOOK_AGAIN, came_back, turn_level
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS, certify
 from hknob_cli.engine.general.slide_two import step_with_friction
 from hknob_cli.engine.general.standstill import SETTLING, is_followed, settles
@@ -35,8 +36,6 @@ KNOWN = 11  # reaches an orbit that another trial has proven
 WAIT = -1  # a candidate left for later
 BESIDE = 1e-6  # counts from a cycle through the play of teeth, at which a trial is not followed further
 PATIENCE = 12  # times that one is, each at a quarter of the gap
-LOOK_AGAIN = 64  # samples after which a continuous sensor's motion is compared, where the clock jitters
-CLOSE = 1e-12  # of a position: so close it has come to a standstill
 PROOF_COST = 8  # periods that a trial with a continuous sensor goes on for after an attempt that took about as many
 FIELDS = 10  # of an attractor: fate, period, margin, edge, closure, bound, trials, least, most position, reading before
 
@@ -194,26 +193,6 @@ def last_look(trial, shown, before, head, body, wall, settling, on_edge):
     if fate == MOVING and contracts_to_rest(trial, shown, before, head, body, wall):
         return REST_PROVEN, 1, z[0]
     return (UNSETTLED if body.damped else UNDAMPED), 0, before
-
-
-def turn_level(shown, last, level):
-    """Level that falls where a motion has turned down: beside a curve an event that no cycle lacks."""
-    if shown == last:
-        return level
-    return 1.0 if shown > last else 0.0
-
-
-def came_back(trial, head, chead, body):
-    """Whether a motion is where it was at the checkpoint, with the commands under way."""
-    z, ring, away = trial.z, trial.ring, trial.space.away
-    delay = len(ring)
-    for j in range(body.order):
-        away[j] = z[j] - trial.check[j]
-    for j in range(delay):
-        u = ring[(head + j) % delay]
-        if not abs(u - trial.check_ring[(chead + j) % delay]) <= CLOSE * (1.0 + abs(u)):
-            return False
-    return gap_apart(body.cogs, away, body) <= CLOSE * (1.0 + abs(z[0]))
 
 
 def follow_trial(trial, before, head, budget, body, wall):

@@ -25,7 +25,6 @@ from hknob_cli.engine.general.follow import (
     downgrade,
     has_period,
     may_be_captured,
-    turn_level,
 )
 from hknob_cli.engine.general.jitter import jitters
 from hknob_cli.engine.general.laws.cascade import (
@@ -41,6 +40,7 @@ from hknob_cli.engine.general.laws.law import AT_SWITCH, CYCLE_AT_SWITCH, REST_N
 from hknob_cli.engine.general.laws.period import REPEATS, certify_with_law
 from hknob_cli.engine.general.laws.rest import settles_with_law
 from hknob_cli.engine.general.laws.step import advance_jittering_with_law, advance_with_law
+from hknob_cli.engine.general.looks import turn_level
 from hknob_cli.engine.general.period_map import EXPANDS, PARTS
 from hknob_cli.engine.general.standstill import SETTLING
 from hknob_cli.engine.general.torque_curve import has_curve, place_at
