@@ -52,6 +52,7 @@ GENERAL = (
     "general.cog_rest",
     "general.standstill",
     "general.captured",
+    "general.looks",
     "general.follow",
     "general.ensemble",
     "general.trace",

@@ -142,6 +142,15 @@ FINGER = {
 }
 
 
+def test_torque_over_the_angle_goes_behind_a_gear_without_counts() -> None:
+    """A turn of the knob need not be a whole number of counts, which a continuous sensor does not have."""
+    detents = {"scene": {"detents": {"per_revolution": 12, "torque": 0.002}}}
+    bare = {"scene": {"encoder": "none"}, "grid": {COUNTS: None}}
+    for gear in (GEARED, STIFF, PLAY):
+        assert any("scene.detents: must be absent where 'gear' is given" in one for one in faults(gear, detents))
+        assert planned(gear, detents, bare).scene.detents
+
+
 @pytest.mark.parametrize(
     ("changes", "said"),
     [

@@ -50,7 +50,7 @@ def test_a_grid_of_it_has_its_place() -> None:
     axis = {"grid": {"clock.jitter": [0.0, 0.1]}}
     assert planned(axis).axes["clock.jitter"] == [0.0, 0.1]
     with pytest.raises(SpecError) as error:
-        planned(axis, {"scene": {"clock": {"jitter": 0.0}}}, CHANGES["bare"])
+        planned(axis, {"scene": {"clock": {"jitter": 0.0}}}, CHANGES["delay"])
     (fault,) = error.value.faults
     assert fault.key == 'grid["clock.jitter"]'
 

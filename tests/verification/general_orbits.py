@@ -181,6 +181,8 @@ def solve(scene: dict[str, Any], rate_hz: float, counts: int | None, knob: Gener
     bodies, control = build(scene, sample_rate_hz=rate_hz, counts_per_rev=counts)
     if bodies.cogs:  # a proven cycle is on one slope
         bodies = bodies.on(bodies.slope(to_si(knob, control, [one.x, one.v, *one.state], bodies)[KNOB]))
+    if bodies.play:  # and its teeth press on one flank
+        bodies = bodies.teeth[1 if one.state[0] > 0.0 else -1]
     unit = control.quantum or mp.mpf(knob.quantum_rad)
     torque = mp.mpf(knob.torque_nm)
     current = torque / bodies.torque_constant if bodies.torque_constant else mp.one

@@ -24,6 +24,7 @@ from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.general_orbit import GeneralMeasurer
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
 from hknob_cli.scene.trial import simulate
+from hknob_cli.specs.electrical import reduced
 from hknob_cli.specs.scene import SceneSpec
 from tests import digits as mp
 
@@ -47,9 +48,8 @@ def bare(seed: int) -> Case:
 
 
 def sampled(case: Case) -> GeneralKnob:
-    return sample_general(
-        SceneSpec.model_validate(case.scene).plain(), sample_rate_hz=case.rate_hz, counts_per_rev=None
-    )
+    plain = reduced(SceneSpec.model_validate(case.scene).plain())
+    return sample_general(plain, sample_rate_hz=case.rate_hz, counts_per_rev=None)
 
 
 def holds_to_the_bounds(case: Case) -> bool:

@@ -6,7 +6,7 @@
 - `teeth` of a gear, one mode of their motion, `flanks` from mode to mode
 - `cogging` on one slope, `slopes` from slope to slope, `cog_rest` on one
 - `period_map` the proof, `powers` of its derivative, `bent` where a torque over the angle bends
-- `inner_region` rest that is never reached
+- `inner_region` rest that is never reached, `looks` when a continuous sensor's motion is looked at
 - `parting` of nearby motions, where they do not repeat
 - `every_clock` a bound for all clocks that jitter so much, by `clock_cells`
 - `laws/` the same loop under a controller

@@ -16,13 +16,14 @@ from hknob_cli.engine.follow import (
     same_line,
 )
 from hknob_cli.engine.general.body import copy_to
-from hknob_cli.engine.general.captured import came_back, captured, has_period, may_be_captured, turn_level
+from hknob_cli.engine.general.captured import captured, has_period, may_be_captured
 from hknob_cli.engine.general.cogging import gap_apart, has_cogs, has_gone
 from hknob_cli.engine.general.controller import command, depth_level, inside, read, read_after
 from hknob_cli.engine.general.inner_region import stands
 from hknob_cli.engine.general.interval import advance, advance_jittering, rubs_alone
 from hknob_cli.engine.general.jitter import jitters
 from hknob_cli.engine.general.laws.law import REST_NOT_PROVEN
+from hknob_cli.engine.general.looks import LOOK_AGAIN, came_back, turn_level
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS, certify
 from hknob_cli.engine.general.slide_two import step_with_friction
 from hknob_cli.engine.general.standstill import SETTLING, is_followed, settles
@@ -36,7 +37,6 @@ KNOWN = 11  # reaches an orbit that another trial has proven
 WAIT = -1  # a candidate left for later
 BESIDE = 1e-6  # counts from a cycle through the play of teeth, at which a trial is not followed further
 PATIENCE = 12  # times that one is, each at a quarter of the gap
-LOOK_AGAIN = 64  # samples after which a motion that may stand still is compared
 PROOF_COST = 8  # periods that a trial with a continuous sensor goes on for after an attempt that took about as many
 
 
