@@ -52,7 +52,6 @@ GENERAL = (
     "general.cog_rest",
     "general.standstill",
     "general.captured",
-    "general.looks",
     "general.follow",
     "general.ensemble",
     "general.trace",

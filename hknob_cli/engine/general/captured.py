@@ -1,10 +1,12 @@
-"""Whether a trial has come to a proven orbit, which captures it; and the rows of what trials have come to."""
+"""Where a trial comes that has been there before: to a proven orbit, which captures it, or to where it was itself."""
 
 from hknob_cli.engine.follow import CYCLE_PROVEN
-from hknob_cli.engine.general.cogging import far_apart
+from hknob_cli.engine.general.cogging import far_apart, gap_apart
 from hknob_cli.engine.general.controller import inside
 
 FIELDS = 10  # of an attractor: fate, period, margin, edge, closure, bound, trials, least, most position, reading before
+LOOK_AGAIN = 64  # samples after which a motion that may stand still is compared
+CLOSE = 1e-12  # of a position: so close it has come to a standstill
 
 
 def may_be_captured(x, trial, body):
@@ -46,3 +48,23 @@ def has_period(period, rows, table):
         if table[row * FIELDS] == CYCLE_PROVEN and period % int(table[row * FIELDS + 1]) == 0:
             return True
     return False
+
+
+def turn_level(shown, last, level):
+    """Level that falls where a motion has turned down: beside a curve an event that no cycle lacks."""
+    if shown == last:
+        return level
+    return 1.0 if shown > last else 0.0
+
+
+def came_back(trial, head, chead, body):
+    """Whether a motion is where it was at the checkpoint, with the commands under way."""
+    z, ring, away = trial.z, trial.ring, trial.space.away
+    delay = len(ring)
+    for j in range(body.order):
+        away[j] = z[j] - trial.check[j]
+    for j in range(delay):
+        u = ring[(head + j) % delay]
+        if not abs(u - trial.check_ring[(chead + j) % delay]) <= CLOSE * (1.0 + abs(u)):
+            return False
+    return gap_apart(body.cogs, away, body) <= CLOSE * (1.0 + abs(z[0]))

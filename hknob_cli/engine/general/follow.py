@@ -16,14 +16,13 @@ from hknob_cli.engine.follow import (
     same_line,
 )
 from hknob_cli.engine.general.body import copy_to
-from hknob_cli.engine.general.captured import captured, has_period, may_be_captured
+from hknob_cli.engine.general.captured import LOOK_AGAIN, came_back, captured, has_period, may_be_captured, turn_level
 from hknob_cli.engine.general.cogging import gap_apart, has_cogs, has_gone
 from hknob_cli.engine.general.controller import command, depth_level, inside, read, read_after
 from hknob_cli.engine.general.inner_region import stands
 from hknob_cli.engine.general.interval import advance, advance_jittering, rubs_alone
 from hknob_cli.engine.general.jitter import jitters
 from hknob_cli.engine.general.laws.law import REST_NOT_PROVEN
-from hknob_cli.engine.general.looks import LOOK_AGAIN, came_back, turn_level
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS, certify
 from hknob_cli.engine.general.slide_two import step_with_friction
 from hknob_cli.engine.general.standstill import SETTLING, is_followed, settles

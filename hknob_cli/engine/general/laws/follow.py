@@ -14,7 +14,7 @@ from hknob_cli.engine.follow import (
     UNSETTLED,
 )
 from hknob_cli.engine.general.body import copy_to
-from hknob_cli.engine.general.captured import FIELDS, has_period, may_be_captured
+from hknob_cli.engine.general.captured import CLOSE, FIELDS, LOOK_AGAIN, has_period, may_be_captured, turn_level
 from hknob_cli.engine.general.cogging import gap_apart, has_gone
 from hknob_cli.engine.general.controller import depth_level, read_after
 from hknob_cli.engine.general.follow import BESIDE, KNOWN, PATIENCE, WAIT, downgrade
@@ -32,7 +32,6 @@ from hknob_cli.engine.general.laws.law import AT_SWITCH, CYCLE_AT_SWITCH, REST_N
 from hknob_cli.engine.general.laws.period import REPEATS, certify_with_law
 from hknob_cli.engine.general.laws.rest import settles_with_law
 from hknob_cli.engine.general.laws.step import advance_jittering_with_law, advance_with_law
-from hknob_cli.engine.general.looks import CLOSE, LOOK_AGAIN, turn_level
 from hknob_cli.engine.general.period_map import EXPANDS, PARTS
 from hknob_cli.engine.general.standstill import SETTLING
 from hknob_cli.engine.general.torque_curve import has_curve, place_at
