@@ -75,7 +75,7 @@ def detents_at(x, curve):
     room, spacing = min(x - curve[LOW], curve[HIGH] - x), curve[SPACING]
     phase = (x - curve[CENTRE]) / spacing
     away = phase - floor(phase + 0.5)
-    side = 1.0 if away > 0.0 else (-1.0 if away < 0.0 else 0.0)
+    side = 1.0 if away > 0.0 else -1.0
     size = abs(away)
     if curve[SHAPE] == SINE:
         steepest = 2.0 * pi * most / spacing
@@ -98,8 +98,6 @@ def detents_at(x, curve):
 def stops_at(x, curve):
     """The end stops at an angle, as `profile_at`."""
     stiffness, low, high = curve[STOP], curve[LOWEST], curve[HIGHEST]
-    if stiffness == 0.0:
-        return 0.0, 0.0, NEVER, 0.0, 0.0
     if x < low:
         return stiffness * (low - x), -stiffness, low - x, stiffness, stiffness * (abs(low) + abs(x))
     if x > high:
