@@ -69,6 +69,7 @@ WIRED = (
 )
 WATCHED: dict[str, tuple[str, ...]] = {
     "certificate.py": ("tests/engine/test_certificate.py", f"{PROOF}test_certificate_margins.py"),
+    "propagator.py": ("tests/verification/test_propagator.py",),
     "turning.py": ("tests/engine/test_turning.py",),
     "rest.py": ("tests/engine/test_rest.py", f"{PROOF}test_rest_margins.py"),
     "follow.py": ("tests/engine/test_rest.py", f"{SETS}test_ball.py", f"{PROOF}test_follow_margins.py"),
