@@ -105,6 +105,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     ),
     "general/hysteresis.py": (f"{PROOF}test_hysteresis_margins.py", f"{GENERAL}test_turning_points.py"),
     "general/body.py": (f"{GENERAL}test_body.py",),
+    "general/slide_two.py": (f"{PROOF}test_two_state_slides.py", f"{GENERAL}test_slides.py"),
     "general/slide_many.py": (f"{PROOF}test_slide_margins.py",),
     "general/controller.py": (f"{GENERAL}test_controller.py", f"{GENERAL}test_controller_edges.py"),
     "general/every_clock.py": (f"{GENERAL}test_every_clock_steps.py", f"{GENERAL}test_clock_cells.py"),
