@@ -1,6 +1,6 @@
 """Sliding of angle and speed under friction, by hand: a spring of 4, which turns the knob every half period of pi."""
 
-from math import exp, inf, pi
+from math import asin, cos, exp, inf, pi, sin, sqrt
 from typing import Any
 
 import pytest
@@ -134,11 +134,16 @@ def test_many_turns_are_taken_at_once(turns: int, side: float) -> None:
 def test_a_slide_that_goes_on_is_that_of_its_hold(side: float) -> None:
     """Friction of 1 against it, all along: an accelerated one, and such that slow down."""
     s, g, f = hold_coefficients(0.0, SPRING, 0.125)
-    for x, v, u in ((0.125, 4.0, 0.0), (-0.25, 4.0, 0.0), (0.125, 0.5, 9.0), (0.0, 0.75, 0.0)):
-        y = u - 1.0 - SPRING * x
-        place, speed = moved(side * x, side * v, side * u, 0.125, body())
-        assert place == pytest.approx(side * (x + s * v + g * y), rel=1e-14)
-        assert speed == pytest.approx(side * (f * v + s * y), rel=1e-14)
+    for friction in (1.0, 0.5):
+        for x, v, u in ((0.125, 4.0, 0.0), (-0.25, 4.0, 0.0), (0.125, 0.5, 9.0), (0.0, 0.75, 0.0)):
+            y = u - friction - SPRING * x
+            place, speed = moved(side * x, side * v, side * u, 0.125, body(friction=friction))
+            assert place == pytest.approx(side * (x + s * v + g * y), rel=1e-14)
+            assert speed == pytest.approx(side * (f * v + s * y), rel=1e-14)
+    # And shortly after a turn, from -3/2 about -1/4.
+    angle = 0.02 * pi
+    found = moved(side * 2.0, 0.0, 0.0, 1.02 * TURN, body())
+    assert found == pytest.approx((side * (-0.25 - 1.25 * cos(angle)), side * 2.5 * sin(angle)))
 
 
 @pytest.mark.parametrize("spring", [4.0, 1600.0])
@@ -153,8 +158,20 @@ def test_a_knob_is_held_for_good_where_its_spring_is_too_weak(spring: float, sid
     for turns in (9, 12, 13):
         expected = side * (-1.0) ** turns * (50.0 - 0.5 * turns), 0.0
         assert moved(side * 50.0, 0.0, 0.0, turns * turn, one) == pytest.approx(expected, abs=1e-8)
-        fast = -side * spring**0.5 * 49.75
-        assert moved(side * 0.25, fast, 0.0, (turns - 0.5) * turn, one) == pytest.approx(expected, abs=1e-8)
+        for part in (0.5, 0.25):  # of the first turn
+            begun = side * (0.25 + 49.75 * cos(pi * part)), -side * spring**0.5 * 49.75 * sin(pi * part)
+            assert moved(*begun, 0.0, (turns - part) * turn, one) == pytest.approx(expected, abs=1e-8)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_turns_are_counted_from_the_first_not_from_the_begin(side: float) -> None:
+    """At a speed of 1 the knob is a little short of its turning point at 49.75, which is 50 from the middle."""
+    x = sqrt(50.0**2 - 0.25)
+    first = 0.5 * asin(0.5 / 50.0)
+    for turns in (9, 12):
+        expected = side * (-1.0) ** turns * (49.75 - 0.5 * turns), 0.0
+        found = moved(side * (x - 0.25), side, 0.0, first + turns * TURN, body())
+        assert found == pytest.approx(expected, abs=1e-9)
 
 
 @pytest.mark.parametrize(("alpha", "beta", "friction"), [(0.01, 4.0, 0.5), (0.2, 4.0, 0.01), (0.001, 1.0, 0.02)])
