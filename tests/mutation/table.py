@@ -69,6 +69,8 @@ WIRED = (
 )
 WATCHED: dict[str, tuple[str, ...]] = {
     "certificate.py": ("tests/engine/test_certificate.py", f"{PROOF}test_certificate_margins.py"),
+    "propagator.py": ("tests/verification/test_propagator.py",),
+    "turning.py": ("tests/engine/test_turning.py",),
     "rest.py": ("tests/engine/test_rest.py", f"{PROOF}test_rest_margins.py"),
     "follow.py": ("tests/engine/test_rest.py", f"{SETS}test_ball.py", f"{PROOF}test_follow_margins.py"),
     "sets/ball.py": CAPTURE,
@@ -106,6 +108,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     ),
     "general/hysteresis.py": (f"{PROOF}test_hysteresis_margins.py", f"{GENERAL}test_turning_points.py"),
     "general/body.py": (f"{GENERAL}test_body.py",),
+    "general/slide_two.py": (f"{PROOF}test_two_state_slides.py", f"{GENERAL}test_slides.py"),
     "general/slide_many.py": (f"{PROOF}test_slide_margins.py",),
     "general/controller.py": tuple(f"{GENERAL}test_controller{end}.py" for end in ("", "_edges", "_curve")),
     "general/every_clock.py": (f"{GENERAL}test_every_clock_steps.py", f"{GENERAL}test_clock_cells.py"),

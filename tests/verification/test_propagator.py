@@ -20,7 +20,7 @@ from typing import Any
 import mpmath
 import pytest
 
-from hknob_cli.engine.propagator import hold_coefficients
+from hknob_cli.engine.propagator import hold_coefficients, slowest_rate
 
 mp = mpmath.MPContext()
 mp.dps = 150
@@ -110,6 +110,25 @@ def test_where_the_series_ends() -> None:
     for beta in (nextafter(1.0, 0.0), 1.0, nextafter(1.0, inf)):
         points += [(alpha, beta, 1.0) for alpha in (0.0, 1e-12, 1e-3, 0.3, 0.9, 1.1, 1.9999, 2.0, 2.0001, 3.0)]
     check(points)
+
+
+@pytest.mark.parametrize(
+    ("alpha", "beta", "rate"),
+    [
+        (2.5, 1.0, 0.5),  # the other root is 2
+        (5.0, 4.0, 1.0),
+        (2.0, 1.0, 1.0),
+        (0.5, 4.0, 0.25),
+        (3.0, 0.0, 3.0),
+        (0.0, 4.0, 0.0),
+        (0.0, 0.0, 0.0),
+        (1e8, 1.0, 1e-8 * (1.0 + 1e-16)),
+        (2e-9, 1e-30, 5e-22 * (1.0 + 2.5e-13)),
+    ],
+)
+def test_the_slowest_rate_is_that_of_the_smaller_root(alpha: float, beta: float, rate: float) -> None:
+    """Of what decays: without a spring the velocity alone. It is as good where the other root is far away."""
+    assert slowest_rate(alpha, beta) == pytest.approx(rate, rel=1e-15)
 
 
 def test_partial_fractions_are_the_matrix_exponential() -> None:
