@@ -269,9 +269,9 @@ def test_a_motion_at_rest_is_no_cycle() -> None:
 
 def test_a_continuous_sensor_beside_what_needs_no_counts() -> None:
     """Scenes with three parts or more, as `random_scenes` compares them."""
-    numbers = [2, 4, 8, 10, 17, 27, 30, 31]
+    numbers = [2, 10, 17, 24, 30]  # of one kind: each kind of scene is compiled apart
     found = [composed(bared(number)) for number in numbers]
-    assert sum(one.settled for one in found) >= 5
+    assert sum(one.settled for one in found) >= 4
 
 
 @pytest.mark.long
