@@ -12,8 +12,9 @@ refuses is drawn anew. One trial of each scene is followed by the engine and by 
 - energy: the torque's work over a cycle is what dampers and friction take, to 1e-9.
 
 A trial is compared as far as no sample comes so near to an edge that rounding may decide. With a continuous sensor,
-whose torque follows every rounding, it is compared as far as these do not grow. The exit code is 1 if
-anything disagrees; such a scene is printed with its number, which ``--only`` runs again.
+whose torque follows every rounding, it is compared as far as these do not grow. ``--bare`` draws scenes that all have
+one, and torque over the angle, cogging, play or jitter beside it. The exit code is 1 if anything disagrees; such a
+scene is printed with its number, which ``--only`` runs again.
 """
 
 import argparse

@@ -31,7 +31,7 @@ from tests import digits as mp
 from . import general_reference as reference
 from .general_orbits import measure, solve
 from .general_scenes import Case, scene
-from .random_scenes import bared
+from .random_scenes import LEFT, bared
 from .random_scenes import compare as composed
 from .test_general_trajectory import AWAY, bounds
 from .test_over_angle import random_case, random_part
@@ -179,6 +179,30 @@ def test_many_proven_orbits_and_rests() -> None:
     assert found["stays"] >= 150, found
 
 
+def test_friction_beside_it_brings_the_knob_to_rest() -> None:
+    """Held, or creeping up to where it can be held, on a slope or beside: where the model's knob comes to rest, too."""
+    engine, found = interpreted(), Counter[str]()
+    for seed in range(40):
+        chance, case = Random(f"rubbing {seed}"), bare(seed + 1000)
+        hand = {"inertia": 3e-7, "damping": 10.0 ** chance.uniform(-3.5, -2.3), "stiffness": chance.choice([0.04, 0.3])}
+        knob = {"inertia": 1.98e-6, "coulomb_torque": 10.0 ** chance.uniform(-4.5, -3.0)}
+        plain = {name: part for name, part in case.scene.items() if name != "actuator"}
+        case = case._replace(scene={**plain, "hand": hand, "knob": knob}, rate_hz=1000.0, samples=400, phase=0.5)
+        made, one = settle(case, engine)
+        found[f"{one.outcome.name}, {one.reason.name}"] += 1
+        if one.outcome is not Outcome.REST or not one.certified:
+            continue
+        trial = reference.simulate(case.scene, **case.arguments)
+        last = [float(sample.angle) / made.quantum_rad for sample in trial.samples[-40:]]
+        moves = max(last) - min(last)
+        if trial.friction.closest < 1e-9 or moves > 1e-3 or trial.edge < 1e-9:
+            found["not told"] += 1
+            continue
+        assert abs(last[-1] - one.x) <= LEFT * moves + 1e-6 * (1.0 + abs(one.x)), (seed, last[-1], one.x)
+        found["rests"] += 1
+    assert found["rests"] >= 15, found
+
+
 def follow(knob: GeneralKnob, z: list[float], before: float, ring: list[float], samples: int) -> list[list[float]]:
     """States at the samples of a motion, and one more."""
     wall, head, pad = as_list(knob.wall), 0, [0.0] * (2 * knob.body.order)
@@ -245,9 +269,9 @@ def test_a_motion_at_rest_is_no_cycle() -> None:
 
 def test_a_continuous_sensor_beside_what_needs_no_counts() -> None:
     """Scenes with three parts or more, as `random_scenes` compares them."""
-    numbers = [2, 4, 8, 10, 17, 27, 30, 31]
+    numbers = [2, 10, 17, 24, 30]  # of one kind: each kind of scene is compiled apart
     found = [composed(bared(number)) for number in numbers]
-    assert sum(one.settled for one in found) >= 5
+    assert sum(one.settled for one in found) >= 4
 
 
 @pytest.mark.long
