@@ -98,6 +98,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/jitter.py": (f"{GENERAL}test_jitter.py",),
     "general/powers.py": (f"{PROOF}test_power_margins.py", f"{GENERAL}test_powers.py"),
     "general/period_map.py": (f"{PROOF}test_period_map_margins.py", f"{PROOF}test_turn_margins.py"),
+    "general/bent.py": (f"{PROOF}test_bent_margins.py",),
     "general/torque_curve.py": (f"{GENERAL}test_curve_by_hand.py", f"{GENERAL}test_torque_curve.py"),
     "general/captured.py": (f"{PROOF}test_general_follow_margins.py", f"{GENERAL}test_hysteresis.py"),
     "general/follow.py": (

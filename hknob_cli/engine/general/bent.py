@@ -17,23 +17,25 @@ TAIL = 1.01  # of the sum of 1, `GONE`, its square, ...
 
 
 def answer_to_torque(before, head, body, wall, space, at):
-    """Leave in ``matrix[at]`` on how the state a sample later depends on a torque of 1 in the sample's interval.
+    """Leave in ``matrix[at]`` on how the state a sample later depends on the torque of the sample's command.
 
-    With a delay that is a command under way, ``head``; without one, the answer of the body.
+    With a delay it is a command under way, at ``head``; with less than a sample of it, or none, the body answers, too.
     """
     n, width, delay = body.order, space.width, len(space.line)
     for i in range(width):
         space.matrix[at + i] = 0.0
     if delay > 0:
         space.matrix[at + n + head] = 1.0
+    if delay > 1:
         return
     for i in range(width):
         space.cols[i] = 0.0
-    space.cols[width * width] = 1.0
+    space.cols[width * width] = 0.0
     space.cols[width * width + width] = 1.0
     for i in range(n):
         space.residual[i] = space.state[i]
     u = command(read_after(space.state[0], before, wall), before, wall)
+    # Without friction the answer is the same whichever torque acts, and beside it no motion is proven here.
     move_columns(space.residual, u, u, body, wall, space.pad, space.cols, 1, width, space.marks)
     for i in range(n):
         space.matrix[at + i] = abs(space.cols[i])

@@ -78,6 +78,10 @@ def test_a_profile(x: float, said: tuple[float, ...]) -> None:
     assert profile_at(x, stepped) == (u, 0.0, said[2], 0.0, abs(u))
 
 
+def test_the_size_of_a_profile_is_that_of_both_ends() -> None:
+    assert profile_at(-1.0, curve(((-2.0, -1.0), (0.0, 5.0)))) == (2.0, 3.0, 1.0, 3.0, 6.0)
+
+
 @pytest.mark.parametrize("scale", [1.0, 0.125])
 def test_a_profile_that_repeats(scale: float) -> None:
     """Also one that is shorter than a count."""
@@ -139,6 +143,10 @@ def test_springs_with_a_zone_between(x: float, said: tuple[float, ...]) -> None:
     assert detents_at(x, curve(**DETENTS, shape=SPRUNG, zone=1.0)) == pytest.approx(said)
 
 
+def test_a_zone_between_springs_ends_with_the_detents() -> None:
+    assert detents_at(1.25, curve(**DETENTS, shape=SPRUNG, zone=1.0, end=1.375)) == (0.0, 0.0, 0.125, 0.0, 0.0)
+
+
 @pytest.mark.parametrize("shape", [SINE, TRIANGLE, SPRUNG])
 def test_detents_end(shape: float) -> None:
     some = curve(**DETENTS, shape=shape, begin=-0.5, end=2.5)
@@ -149,7 +157,8 @@ def test_detents_end(shape: float) -> None:
         inside, endless = detents_at(x, some), detents_at(x, free)
         assert inside[:2] == endless[:2]
         assert inside[2:] == (min(room, endless[2]), *endless[3:])
-    assert [place_at(x, some) for x in (-0.75, -0.5, 0.5, 2.5, 2.75)] == [0, 0, 1, 1, 2]
+    for one in (some, curve(**{**DETENTS, "detent": 0.5}, shape=shape, begin=-0.5, end=2.5)):
+        assert [place_at(x, one) for x in (-9.0, -0.75, -0.5, 0.5, 2.5, 2.75, 9.0)] == [0, 0, 0, 1, 1, 2, 2]
 
 
 def test_detents_number_places() -> None:
@@ -181,7 +190,8 @@ def test_stops(low: float, high: float, x: float, said: tuple[float, ...]) -> No
     u, slope, room, steepest, size = stops_at(x, curve(stop=4.0, low=low, high=high))
     assert (u / 4.0, slope / 4.0, room, steepest / 4.0, size / 4.0) == said
     assert stops_at(x, curve()) == NOTHING
-    assert place_at(x, curve(stop=4.0, low=low, high=high)) == (x > low) + (x > high)
+    for stop in (4.0, 0.5):
+        assert place_at(x, curve(stop=stop, low=low, high=high)) == (x > low) + (x > high)
 
 
 @pytest.mark.parametrize(
@@ -194,6 +204,8 @@ def test_stops(low: float, high: float, x: float, said: tuple[float, ...]) -> No
         (2.75, (-5.0, -4.0, 0.25, 4.0, 9.0)),
         (3.0, (-6.0, 0.0, 0.0, 0.0, 6.0)),
         (4.0, (-6.0, 0.0, 1.0, 0.0, 6.0)),
+        (0.5, (0.0, -4.0, 0.0, 4.0, 4.0)),
+        (0.25, (1.0, -4.0, 0.25, 4.0, 5.0)),
         (0.0, (2.0, -4.0, 0.5, 4.0, 6.0)),
         (-3.0, (6.0, 0.0, 2.0, 0.0, 6.0)),
     ],
@@ -203,7 +215,8 @@ def test_a_dead_zone(x: float, said: tuple[float, ...]) -> None:
     numbers = {"spring": 4.0, "half": 0.5, "middle": 1.0, "most": 6.0}
     assert zone_at(x, curve(**numbers)) == said
     assert zone_at(x, curve()) == NOTHING
-    assert place_at(x, curve(**numbers)) == (x - 1.0 > -0.5) + (x - 1.0 > 0.5)
+    for one in (numbers, {**numbers, "spring": 0.5}):
+        assert place_at(x, curve(**one)) == (x - 1.0 > -0.5) + (x - 1.0 > 0.5)
 
 
 def test_a_zone_without_a_width_has_no_knee() -> None:
