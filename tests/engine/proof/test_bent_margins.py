@@ -241,8 +241,7 @@ def test_the_sum_over_periods_has_a_tail() -> None:
     for scale, largest in ((0.25, 3.0), (8.0, 0.5)):
         sum_over_periods(space, scale, 3)
         parts = [
-            new + TAIL * GONE * largest * unit
-            for new, unit in zip([0.5, 0.75, 0.25], [1.0, scale, 1.0], strict=True)
+            new + TAIL * GONE * largest * unit for new, unit in zip([0.5, 0.75, 0.25], [1.0, scale, 1.0], strict=True)
         ]
         wanted = np.array(space.total[:9]).reshape(3, 3) @ parts
         assert space.matrix[3:6] == pytest.approx(wanted, rel=1e-12)
