@@ -51,7 +51,7 @@ def _explained(path: Path, sets: tuple[str, ...]) -> "Explained":
     plan = load(path, sets)
     kind = str(plan.values["kind"])
     try:
-        return explain_stage(kind, plan, f"hknob {kind} {as_typed(path)}{_set(sets)}")
+        return explain_stage(kind, plan, _command(kind, path, sets))
     except ArithmeticError:
         raise ComputationError(f"{path}: the scene's numbers overflow") from None
 
@@ -70,12 +70,14 @@ def _pipeline(path: Path, sets: tuple[str, ...]) -> "Explained":
     answer = (
         f"{counted(len(plan.stages), 'stage')} run in the order of their inputs, each only if something has changed."
     )
-    return Explained("pipeline", plan.name, answer, {"stages": lines}, [], f"hknob run {as_typed(path)}{_set(sets)}")
+    return Explained("pipeline", plan.name, answer, {"stages": lines}, [], _command("run", path, sets))
 
 
-def _set(sets: tuple[str, ...]) -> str:
-    """The same settings, for the command that runs what is explained."""
-    return "".join(f" --set {shlex.quote(one)}" for one in sets)
+def _command(name: str, path: Path, overrides: tuple[str, ...]) -> str:
+    """What runs that which is explained, with the same settings."""
+    from hknob_cli.cli.next_step import settings
+
+    return " ".join(["hknob", name, as_typed(path), *map(shlex.quote, settings(overrides))])
 
 
 def _ledger(path: Path) -> "Explained":

@@ -27,14 +27,14 @@ def after_stage(job: "Job", work: "Work", summary: dict[str, Any]) -> str:
     if pages := [name for name in work.texts(job) if name.endswith(".html")]:
         return _show(job.out / pages[0])
     if _can_be_played_with(job):
-        return shlex.join(["hknob", "explore", job.spec, *_sets(job.overrides)])
+        return shlex.join(["hknob", "explore", job.spec, *settings(job.overrides)])
     if along := work.take_along(job, summary):
         kind, remedy = along
         if (same := _from(job, kind, remedy)) and (step := _new(kind, job.plan.name, same)):
             return step
     if work.pictures(job) and not job.plot:
         out = _out(job.out, job.plan.name)
-        return shlex.join(["hknob", job.kind, job.spec, "--plot", *out, *_sets(job.overrides)])
+        return shlex.join(["hknob", job.kind, job.spec, "--plot", *out, *settings(job.overrides)])
     then = work.then(job)
     if not then or not summary.get("orbits", {"cycle": 1})["cycle"]:
         return ""
@@ -51,7 +51,7 @@ def _from(job: "Job", then: str, remedy: str | None = None) -> list[str]:
         begin_from(then, Path(job.spec), "", Path(), job.overrides, remedy)
     except UsageError:
         return []
-    return ["--from", job.spec, *_sets(job.overrides), *([] if remedy is None else ["--remedy", remedy])]
+    return ["--from", job.spec, *settings(job.overrides), *([] if remedy is None else ["--remedy", remedy])]
 
 
 def after_pipeline(
@@ -62,7 +62,7 @@ def after_pipeline(
     What is left of the pipeline, else its page, else a spec of a page.
     """
     if until and not is_stdin(spec):
-        return shlex.join(["hknob", "run", str(spec), *_out(root, name), *_sets(overrides)])
+        return shlex.join(["hknob", "run", str(spec), *_out(root, name), *settings(overrides)])
     pages = [file for file in files if file.endswith(".html")]
     return _show(Path(pages[-1])) if pages else _new("report", name)
 
@@ -94,5 +94,6 @@ def _out(folder: Path, name: str) -> list[str]:
     return [] if folder == Path("results") / name else ["--out", str(folder)]
 
 
-def _sets(overrides: Sequence[str]) -> list[str]:
+def settings(overrides: Sequence[str]) -> list[str]:
+    """The same settings, as words of a command line."""
     return [word for one in overrides for word in ("--set", one)]

@@ -35,7 +35,7 @@ from hknob_cli.scene.general_knob import GeneralKnob
 RATTLE = 4096  # samples over which a motion that does not repeat is measured
 _MOVING = (Reason.NO_REPEAT, Reason.TOO_SLOW, Reason.NO_STIFFNESS, Reason.NO_DAMPING)
 MOST_WORK = 400_000_000  # pieces times harmonics of an orbit
-AT_ONCE = 512  # short pieces whose numbers the processor's own memory holds
+BLOCK = 512  # short pieces whose numbers the processor's own memory holds
 SHORT = 1.0  # time in units of the fastest mode, up to which ten nodes integrate a piece to rounding
 
 
@@ -269,8 +269,8 @@ def _quadrature(start: Array, spans: Array, alpha: float, beta: float) -> Array:
     """Integrals of x, x² and v² (3, m) over short pieces of lengths ``spans`` (m,) from (x, v, drive), (3, m)."""
     total = np.zeros((3, len(spans)))
     nodes, weights = np.array(RULE).T[:, :, None]
-    for first in range(0, len(spans), AT_ONCE):
-        some = slice(first, first + AT_ONCE)
+    for first in range(0, len(spans), BLOCK):
+        some = slice(first, first + BLOCK)
         x, v, drive = start[:, some]
         y = drive - beta * x
         s, g, f = _short_coefficients(alpha, beta, 0.5 * spans[some] * (nodes + 1.0))

@@ -16,9 +16,10 @@ derivatives' motion, which passive bodies cannot gain and which only the lag, de
 
 A gear that yields is knob and finger, too: the motor over the ratio, and knob and hand behind the mesh, with the push
 on them. Teeth with play press on one flank, on the other, or on none, so that each mode of friction is three.
-Their events are bracketed by halving a step of 1/64 of a sample, and no zeros are excluded: what begins and ends within
-a step is missed. Cogging is followed so, too: on each slope of its triangle it is one more spring to ground, with a
-neutral angle of its own.
+Their events are bracketed by halving a step, and no zeros are excluded: what begins and ends within a step is missed. A
+step is at most 1/64 of a sample, and a quarter of what the fastest body takes for a radian: teeth of a stiff mesh part
+for less than the former. Cogging is followed so, too: on each slope of its triangle it is one more spring to ground,
+with a neutral angle of its own.
 """
 
 from collections.abc import Iterator
@@ -357,7 +358,8 @@ class Friction:
             self._start()
         else:
             self.mode = UP if self.z[SPEED] > 0 else DOWN
-        steps = int(mp.ceil(64 * duration / self.period))
+        swings = float(self.period) * self.bodies.fastest if self.bodies.play else 0.0
+        steps = int(mp.ceil(max(64, 4 * swings) * duration / self.period))
         for _ in range(steps):
             self._step(duration / steps, 0)
 

@@ -271,11 +271,7 @@ BESIDE_BARE = ("profile", "detents", "end_stops", "dead_zone", "cogging", "play"
 
 
 def bared(number: int) -> Case:
-    """The scene of a number with a continuous sensor, and one or two parts that need no counts.
-
-    Not under the passivity controller: beside backlash and friction one sample was 1e-8 off there. It divides what is
-    left of an energy by a speed, which vanishes without counts. Whether that is why is not known.
-    """
+    """The scene of a number with a continuous sensor, and one or two parts that need no counts."""
     chance = Random(f"bare {number}")
     while True:
         beside = {BESIDE_BARE[number % len(BESIDE_BARE)], *chance.sample(BESIDE_BARE, chance.choice([0, 0, 1]))}
@@ -293,8 +289,7 @@ def bared(number: int) -> Case:
         lost = {"rounding", "offset", "hysteresis", "backlash"}
         parts = tuple(sorted({*one.parts, "bare", *beside} - lost))
         found = Case(number, parts, scene, one.rate_hz, None)
-        divides = (scene.get("controller") or {}).get("kind") == "passivity"
-        if is_taken(found) and not divides:
+        if is_taken(found):
             return found
 
 

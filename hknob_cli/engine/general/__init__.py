@@ -6,7 +6,7 @@
 - `teeth` of a gear, one mode of their motion, `flanks` from mode to mode
 - `cogging` on one slope, `slopes` from slope to slope, `cog_rest` on one
 - `period_map` the proof, `powers` of its derivative, `bent` where a torque over the angle bends
-- `inner_region` rest that is never reached, `looks` when a continuous sensor's motion is looked at
+- `inner_region` rest that is never reached, `captured` by an orbit that is known, or back where it was
 - `parting` of nearby motions, where they do not repeat
 - `every_clock` a bound for all clocks that jitter so much, by `clock_cells`
 - `laws/` the same loop under a controller
@@ -19,8 +19,7 @@ grows. The fixed point is found by Newton's method with the derivative carried t
 error bound is first order: inverse of the derivative times residual and roundings, with marks for events that could
 go another way within it; it is not an interval enclosure. With a continuous sensor the bound on a difference comes
 from the derivative's powers; where teeth press or cogging acts, it must not reach the end of a flank or a slope. A
-scene that lists none of this runs in the plain loop, whose source does not know of
-the other.
+scene that lists none of this runs in the plain loop, whose source does not know of the other.
 
 Rest that is never reached (`engine/general/inner_region.py`). An overdamped hand with friction creeps to the edge of
 the zone in which friction can hold the knob, for ever. It would rest at any point of that zone, and its distance from

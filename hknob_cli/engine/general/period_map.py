@@ -38,7 +38,7 @@ EXPANDS = 6  # the period map does not contract
 PARTS = 7  # teeth part within the period, or cogging does not hold the knob: its map contracts to first order
 NEWTON_STEPS = 8
 STILL = 16.0  # times its error bound, by which a motion must move at least to be a cycle, beside a curve
-AT_ONCE = 1e-9  # of an orbit's size: a trial so near to it is as near as it may come
+AS_NEAR = 1e-9  # of an orbit's size: a trial so near to it is as near as it may come
 LEAST_SCALE = 1e-3  # of speeds against positions, in a norm of differences; a rest point has no speed
 
 
@@ -322,6 +322,6 @@ def certify(z, before, ring, head, period, body, wall, space):
     if near and curved:
         near, more = holds_though_bent(start, head, period, body, wall, space, scale)
         bound += more
-        if not near and off <= AT_ONCE * (reach + pace):
+        if not near and off <= AS_NEAR * (reach + pace):
             return EXPANDS, margin, edge, closure, bound
     return (PROVEN if near else NOT_CAPTURED), margin, edge, closure, bound

@@ -1,7 +1,6 @@
 """Samples of one level, without a look at each: `general.interval.rubs_alone`, `general.follow.rub_on`."""
 
 from math import inf, nextafter
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -14,7 +13,7 @@ from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.controller import depth_level, read
 from hknob_cli.engine.general.follow import KNOWN, follow_trial, rub_on
 from hknob_cli.engine.general.interval import advance, rubs_alone
-from hknob_cli.engine.general.search import GeneralEngine, as_list
+from hknob_cli.engine.general.search import GeneralEngine, as_list, make_space
 from tests.engine.general.bodies import knob
 from tests.engine.trial_space import trial_of
 
@@ -58,8 +57,8 @@ def trial(trail: int, orbits: list[tuple[float, float]]) -> Any:
     rows = [[0.0] * FIELDS for _ in orbits]
     for row, (_, margin) in zip(rows, orbits, strict=True):
         row[0], row[2] = CYCLE_PROVEN, margin
-    space = SimpleNamespace(trail=[7.0] * trail)
-    return trial_of([0.0, 0.0], [], space, rows, [[x, 0.0] for x, _ in orbits])  # type: ignore[arg-type]
+    space = make_space(2, 0, lambda count: [0.0] * count)._replace(trail=[7.0] * trail)
+    return trial_of([0.0, 0.0], [], space, rows, [[x, 0.0] for x, _ in orbits])
 
 
 def path(x: float, v: float, count: int) -> list[tuple[float, float]]:

@@ -308,7 +308,10 @@ def test_an_end_is_bracketed_to_the_last_bit(monkeypatch: pytest.MonkeyPatch, mo
 
 def test_a_start_without_acceleration_creeps(monkeypatch: pytest.MonkeyPatch) -> None:
     """As long as it takes; what is nil counts by the friction level, 2."""
-    value: Of = lambda t: t * t  # noqa: E731
+
+    def value(t: float) -> float:
+        return t * t
+
     for slope, crept in ((0.0, 1), (2.0 * NIL, 1), (nextafter(2.0 * NIL, 1.0), 0), (-1.0, 1)):
         slide = Slide(monkeypatch, value, lambda t, slope=slope: slope if t == 0.0 else 9.0, always(1e-30), creeps=[2])
         for mode in (1, -1):
@@ -330,7 +333,13 @@ def test_a_start_without_acceleration_creeps(monkeypatch: pytest.MonkeyPatch) ->
 
 def test_a_start_that_cannot_be_told_is_a_millionth_of_a_sample(monkeypatch: pytest.MonkeyPatch) -> None:
     """In which it may end: then it stands after it. Later it is bracketed."""
-    rises: Of = lambda t: 0.0 if t == 0.0 else 1.0  # noqa: E731
+
+    def rises(t: float) -> float:
+        return 0.0 if t == 0.0 else 1.0
+
+    def late(t: float) -> float:
+        return 0.0 if t < 0.25 else 1.0
+
     slide = Slide(monkeypatch, rises, lambda t: 1.0 if t == 0.0 else 0.0, lambda t: 2.0**30 if t == 0.0 else 0.0)
     assert slide.run() == (1.0, False)
     assert slide.took[0] == (2.0**-20, 20)
@@ -340,7 +349,6 @@ def test_a_start_that_cannot_be_told_is_a_millionth_of_a_sample(monkeypatch: pyt
     # Where it does not creep, for want of time or of a growing acceleration, it is taken so, too.
     slide = Slide(monkeypatch, rises, always(0.0), lambda t: 1.0 if t == 0.0 else 0.0, creeps=[-1], end=0.0)
     assert slide.run() == (2.0**-20, True)
-    late: Of = lambda t: 0.0 if t < 0.25 else 1.0  # noqa: E731
     slide = Slide(monkeypatch, always(0.0), late, always(2.0**30), creeps=[2], end=0.0)
     assert slide.run() == (0.25 + 2.0**-20, True)
     slide = Slide(monkeypatch, always(2.0**-120), always(0.0), always(1.0), end=0.0)
