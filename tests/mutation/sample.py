@@ -174,7 +174,7 @@ def table(seed: int) -> str:
         "# Which share of changes the tests find",
         "",
         "Made by `python tests/mutation/sample.py --write`. A sample of each folder group's changes, drawn by a seed.",
-        "The files with proofs that the table in CONTRIBUTING.md lists are tried whole, and `hardware/safety.py`, too.",
+        "The files with proofs, and some more, are tried whole: the last table has them.",
         "",
         f"Seed {seed}, {datetime.date.today():%Y-%m-%d}. *Explained* ones are in `accepted.toml`. *Out of time*: no "
         f"test failed within {BUDGET.in_all_s:g} s. *Not called*: by no test of at most {BUDGET.slowest_s:g} s in this "
