@@ -380,11 +380,12 @@ class Friction:
                 self.parted += self.flank != 0
                 self.flank = 0 if self.flank else (1 if self.bodies.presses(then, 1) else -1)
             if turned and self.mode != STUCK:
-                self.z = (then[KNOB], mp.zero, *then[2:])
                 self.stops += 1
                 self.turns.append(then[KNOB])
                 self._start()
-                self.sticks += self.mode == STUCK
+                if self.mode == STUCK:  # else it keeps what speed it has: a motion is smooth in where it began
+                    self.z = (then[KNOB], mp.zero, *then[2:])
+                    self.sticks += 1
             elif turned:
                 self.releases += 1
                 self.mode = UP if self._sum() > 0 else DOWN
