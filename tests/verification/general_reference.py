@@ -38,6 +38,7 @@ Vector = tuple[Any, ...]
 KNOB, SPEED, FINGER, FINGER_SPEED, TORQUE, COMMAND, ONE, CURRENT = range(8)
 UP, DOWN, STUCK = 1, -1, 0
 BITS = 400  # after the point of the whole numbers that a Taylor series is summed in: 120 digits of an angle in radians
+KEPT = 6  # of a step that recurs, the halvings whose matrices are kept
 CLOCK = 1e-3  # time unit of that sum [s]: with it all of a state is of the order of its angles
 
 
@@ -359,18 +360,21 @@ class Friction:
         else:
             self.mode = UP if self.z[SPEED] > 0 else DOWN
         swings = float(self.period) * self.bodies.fastest if self.bodies.play else 0.0
-        steps = int(mp.ceil(max(64, 4 * swings) * duration / self.period))
-        for _ in range(steps):
-            self._step(duration / steps, 0)
+        step = self.period / int(mp.ceil(max(64, 4 * swings)))
+        for _ in range(int(mp.floor(duration / step))):
+            self._step(step, 0, recurs=True)
+            duration -= step
+        if duration > 0:
+            self._step(duration, 0, recurs=False)
 
-    def _step(self, step: Any, level: int) -> None:
-        then = self._acting().move(self.mode, self.z, step, recurs=False)
+    def _step(self, step: Any, level: int, *, recurs: bool) -> None:
+        then = self._acting().move(self.mode, self.z, step, recurs=recurs and level < KEPT)
         turned, sprung = self._events(then)
         if not turned and not sprung:
             self.z = then
         elif level < 60:
-            self._step(step / 2, level + 1)
-            self._step(step / 2, level + 1)
+            self._step(step / 2, level + 1, recurs=recurs)
+            self._step(step / 2, level + 1, recurs=recurs)
         else:
             self.z = then
             if sprung and self.bodies.cogs:
