@@ -194,12 +194,13 @@ class Bodies:
         return float(2 * (mp.fsum(mp.sqrt(abs(root)) for root in roots) + mp.fsum(own)))
 
     def move(self, mode: int, z: Vector, duration: Any, *, recurs: bool) -> Vector:
-        """exp(A t) z; a matrix for a duration that ``recurs``, kept, else a Taylor series."""
+        """exp(A t) z; a matrix for a duration that ``recurs`` and has been met before, kept, else a Taylor series."""
+        key = (mode, duration)
+        if recurs and key in self._kept:
+            kept = self._kept[key] = self._kept[key] or self._exponential(mode, duration)
+            return tuple(_dot(row, z) if row else mp.zero for row in kept)
         if recurs:
-            key = (mode, duration)
-            if key not in self._kept:
-                self._kept[key] = self._exponential(mode, duration)
-            return tuple(_dot(row, z) if row else mp.zero for row in self._kept[key])
+            self._kept[key] = None
         parts = 1 + int(self.fastest * float(duration) / 8)
         if parts > 40:
             return tuple(_dot(row, z) for row in self._exponential(mode, duration))
