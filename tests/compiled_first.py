@@ -18,8 +18,8 @@ FRICTION, LIMIT = "scene.knob.coulomb_torque=0.56 mN*m", "scene.actuator.torque_
 CONTROLLER = "scene.controller={kind: bounded_lag, keep: 0.15, time_constant: 0.2}"
 # Of two workers: sweeps of one cell, each of which takes other groups of `engine.jit`. They take about as long.
 SHARES = (
-    ((TRIALS, FRICTION), (TRIALS, CONTROLLER), (BOX, LIMIT), (PHASES, LIMIT)),
-    ((TRIALS,), (PHASES,), (BOX,), (PHASES, FRICTION), (BOX, FRICTION)),
+    ((TRIALS, FRICTION), (TRIALS, CONTROLLER), (PHASES, CONTROLLER), (BOX, LIMIT)),
+    ((TRIALS,), (PHASES,), (BOX,), (PHASES, FRICTION), (BOX, FRICTION), (PHASES, LIMIT)),
 )
 
 

@@ -221,7 +221,7 @@ def displaced(case: Case, knob: GeneralKnob, one: Attractor) -> Counter[str]:
     chance, n, period = Random(case.name), knob.body.order, one.period
     wall, start = as_list(knob.wall), [one.x, one.v, *one.state]
     orbit = follow(knob, start, one.before, list(one.line), period)
-    for power in np.arange(-9.0, 3.0, 0.5):
+    for power in np.arange(-9.0 + chance.choice([0.0, 0.5]), 3.0):
         z = [value + 10.0**power * chance.uniform(-1.0, 1.0) for value in start]
         space = make_space(n, knob.delay_line, lambda count: [0.0] * count)
         before = one.before if one.line else z[0]
