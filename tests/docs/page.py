@@ -22,7 +22,7 @@ def table(name: str, heading: str) -> list[list[str]]:
     lines = (ROOT / "docs" / name).read_text(encoding="utf-8").split(heading, 1)[1].splitlines()
     rows: list[list[str]] = []
     for line in lines:
-        if line.startswith("|"):
+        if line.lstrip().startswith("|"):
             rows.append([cell.strip() for cell in line.strip().strip("|").split("|")])
         elif rows:
             break

@@ -216,7 +216,7 @@ def test_specs_are_valid(text: str, tmp_path: Path) -> None:
 def test_readme_answers_first() -> None:
     """It is short, its two commands come early, and its knob is the example's and the tutorial's."""
     readme = ABOVE[0].read_text(encoding="utf-8")
-    assert len(readme.encode()) <= 8000
+    assert len(readme.encode()) <= 9200  # 1,000 of them are the table of its first finding
     assert readme.index("$ make sweep") < readme.index("$ make test") < 1500
     (spec,) = (block.text for block in blocks(ABOVE[0]) if block.language == "yaml")
     tutorial = titled(ROOT / "docs" / "tutorials" / "your_knob.md")["my-knob.yaml"]
