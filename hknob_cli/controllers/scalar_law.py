@@ -91,7 +91,7 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int | None)
         periodic=[0.0] * (line + ages * parts),
         affine=[0.0] * ((known + 1) * known),
         slopes=[0.0] * BLOCK,
-        noise=[0.0] * (3 * known),
+        noise=[0.0] * (4 * known),
         pair=list(fading.pair),
     )
     settling = control.settling(plant)

@@ -7,6 +7,7 @@ constant of cogging on a slope.
 Integrals over one hold as matrices, for many pieces of motion at once; what they are: `engine.orbit.forms`.
 """
 
+from functools import lru_cache
 from math import ceil, log2
 from typing import NamedTuple
 
@@ -41,8 +42,9 @@ class Forms(NamedTuple):
     speed: Array
 
 
+@lru_cache(maxsize=1024)
 def hold_forms(alpha: float, beta: float, duration: float) -> Forms:
-    """Forms over a hold of length ``duration``."""
+    """Forms over a hold of length ``duration``; those of other cells with the same hand and sample rate are kept."""
     numbers = forms.hold_forms(alpha, beta, duration)
     return Forms(np.array(numbers[:3]), _matrix(numbers[3:9]), _matrix(numbers[9:]))
 

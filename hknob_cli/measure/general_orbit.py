@@ -105,6 +105,7 @@ class GeneralMeasurer:
     def __init__(self, knob: GeneralKnob, engine: GeneralEngine) -> None:
         self.knob = knob
         self.engine = engine
+        self._charted: tuple[Attractor, PeriodSegments | None] | None = None
         self._forms: dict[float, Forms] = {}
         self._integrals: dict[tuple[float, int], Integrals] = {}
 
@@ -112,11 +113,11 @@ class GeneralMeasurer:
         """Harmonics of a cycle up to ``highest_hz``; none of one with too many pieces to chart."""
         body, period_s = self.knob.body, self.knob.period_s
         count = harmonic_count(attractor.period, sample_period_s=period_s, highest_hz=highest_hz)
-        chart = self.engine.chart(body, self.knob.wall, attractor)
+        chart = self._chart(attractor)
         amplitudes = np.zeros(0, complex)
         if chart is not None:
             count = min(count, MOST_WORK // len(chart.spans))
-            amplitudes = of_chart(body, chart, attractor.period, self.knob.wall.split, count, behind=self.knob.behind)
+            amplitudes = of_chart(body, chart, attractor.period, count, behind=self.knob.behind)
         return scaled(amplitudes, attractor.period, sample_period_s=period_s, quantum_rad=self.knob.quantum_rad)
 
     def measure(self, attractor: Attractor) -> OrbitMeasures:
@@ -126,8 +127,14 @@ class GeneralMeasurer:
             return at_rest(self.knob.angle_rad(least), self.knob.angle_rad(most))
         if attractor.outcome is not Outcome.CYCLE:
             return self._jitter(attractor) if attractor.reason is Reason.JITTERS else self._rattle(attractor)
-        chart = self.engine.chart(self.knob.body, self.knob.wall, attractor)
+        chart = self._chart(attractor)
         return OrbitMeasures() if chart is None else self._cycle(attractor, chart)
+
+    def _chart(self, attractor: Attractor) -> PeriodSegments | None:
+        """One period of an orbit, charted once for its measures and its harmonics."""
+        if self._charted is None or self._charted[0] is not attractor:
+            self._charted = attractor, self.engine.chart(self.knob.body, self.knob.wall, attractor)
+        return self._charted[1]
 
     def _cycle(self, attractor: Attractor, chart: PeriodSegments) -> OrbitMeasures:
         knob, body, wall = self.knob, self.knob.body, self.knob.wall
@@ -282,13 +289,23 @@ def _quadrature(start: Array, spans: Array, alpha: float, beta: float) -> Array:
 
 def _short_coefficients(alpha: float, beta: float, t: Array) -> tuple[Array, Array, Array]:
     """(S, G, F) over times ``t`` (any shape) up to `SHORT` of the fastest mode; see `propagator.hold_coefficients`."""
-    a, c = 0.5 * alpha * t, beta * t * t
+    a, c = alpha * t, beta * t * t
     before, term = np.zeros_like(t), np.full_like(t, 0.5)
     g, s = term.copy(), np.ones_like(t)
-    n = 2
-    while np.any(np.abs(term) + np.abs(before) > NEGLIGIBLE):
-        before, term = term, -(2.0 * a * n * term + c * before) * (1.0 / ((n + 1) * n))
-        n += 1
+    for n in range(2, 2 + _terms(float(a.max(initial=0.0)), float(c.max(initial=0.0)))):
+        before *= c
+        before += a * n * term
+        before *= -1.0 / ((n + 1) * n)
+        before, term = term, before
         g += term
-        s += n * term
-    return s * t, g * t * t, 1.0 - c * g - 2.0 * a * s
+        s += (n + 1) * term
+    return s * t, g * t * t, 1.0 - c * g - a * s
+
+
+def _terms(a: float, c: float) -> int:
+    """Terms of the series of `_short_coefficients` until none is left that changes a digit, for up to these numbers."""
+    before, term, n = 0.0, 0.5, 2
+    while term + before > NEGLIGIBLE:
+        before, term = term, (a * n * term + c * before) / ((n + 1) * n)
+        n += 1
+    return n - 2

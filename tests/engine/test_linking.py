@@ -9,7 +9,7 @@ import pytest
 
 from hknob_cli.engine.jit import GROUPS, compiled
 from hknob_cli.engine.kept_code import load_numba
-from hknob_cli.engine.linking import kinds, likeness
+from hknob_cli.engine.linking import ALONE, INLINED, kinds, likeness
 from tests.conftest import ROOT
 
 
@@ -68,6 +68,34 @@ def test_a_part_is_handed_only_what_it_uses() -> None:
     code = entry.inspect_llvm(entry.signatures[0])
     (taken,) = [line.count(" double ") for line in code.splitlines() if line.startswith("define") and "climb" in line]
     assert taken == 3  # x, and two of the sixty
+
+
+def test_what_every_sample_goes_through_becomes_a_part_of_its_callers() -> None:
+    """By its name, however long it is; a branch that is rarely taken is left alone, however short."""
+    load_numba()
+    steps = [f"    x = 0.5 * x + 1.5 if x < {k}.0 else x - 3.0 / (1.0 + x * x)" for k in range(40)]
+    made: dict[str, Any] = {}
+    for name in ("climb", INLINED[0]):
+        exec("\n".join([f"def {name}(x):", *steps, "    return x"]), made)
+    exec(f"def {ALONE[0]}(x):\n    return 1.0 / x", made)
+    climb, inlined, alone = (kinds().part(made[name]) for name in ("climb", INLINED[0], ALONE[0]))
+
+    def top(x):
+        rare = alone(x) if x > 0.0 else x
+        return climb(x) + climb(x + 1.0) + inlined(x + 2.0) + inlined(x + 3.0) + rare
+
+    entry = kinds().entry(top)
+    assert entry(0.3) == sum(made["climb"](0.3 + k) for k in range(4)) + 1.0 / 0.3
+    code = entry.inspect_llvm(entry.signatures[0])
+    defined = [line for line in code.splitlines() if line.startswith("define")]
+    assert [sum(name in line for line in defined) for name in ("climb", INLINED[0], ALONE[0])] == [1, 0, 1]
+
+
+@pytest.mark.parametrize("name", [*INLINED, *ALONE])
+def test_what_is_inlined_or_not_is_a_function_of_the_engine(name: str) -> None:
+    modules, _ = GROUPS["laws"]
+    paths = [ROOT / f"hknob_cli/engine/{one.replace('.', '/')}.py" for one in modules]
+    assert sum(f"\ndef {name}(" in path.read_text() for path in paths) == 1
 
 
 class Pair(NamedTuple):

@@ -11,10 +11,11 @@ from hknob_cli.engine.attractors import Engine
 from hknob_cli.engine.general.search import GeneralEngine
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
+from hknob_cli.measure.forms import generator
 from hknob_cli.measure.general_orbit import GeneralMeasurer
 from hknob_cli.measure.harmonics import MOST_HARMONICS, Harmonics, harmonic_count
 from hknob_cli.measure.orbit import Measurer
-from hknob_cli.measure.piece_harmonics import _scattered
+from hknob_cli.measure.piece_harmonics import _scattered, _shared, _sight, _transform
 from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.scene.sampled_knob import sample_knob
 from hknob_cli.specs.electrical import reduced
@@ -189,6 +190,70 @@ def test_jumps_between_samples_are_summed_to_rounding(jumps: int, count: int) ->
             for column in range(2):
                 exact = mpmath.fdot(waves, [mpmath.mpf(float(size)) for size in sizes[:, column]])
                 assert abs(complex(exact) - found[k - 1, column]) <= bound[column]
+
+
+def test_jumps_at_the_same_part_of_an_interval_are_summed_as_those_at_samples_are() -> None:
+    """Against 30 digits: at samples, a fortieth after them, and at any time; each transform has its own levels."""
+    draw, n, count = np.random.default_rng(3), 64, 150
+    at = np.arange(float(n))
+    times = np.sort(np.concatenate([at, at + 0.025, n * draw.random(5)]))
+    sizes = draw.normal(size=(len(times), 2))
+    assert _shared(times - np.rint(times)) == pytest.approx([0.0, 0.025], abs=1e-14)
+    w = 2.0 * np.pi / n * np.arange(1, count + 1)
+    found = _transform(times, sizes, n, w)
+    # A time is rounded by half a digit of n, which turns a wave by w times that.
+    turned = w[-1] * n * np.finfo(float).eps
+    rounded = np.exp(np.pi / 2.0) * (26 + 2 * (2 * count).bit_length()) * np.finfo(float).eps
+    bound = (turned + rounded) * np.abs(sizes).sum(axis=0)
+    with mpmath.workdps(30):
+        for k in (1, 63, 64, 65, count):
+            waves = [mpmath.expjpi(-2 * k * mpmath.mpf(float(time)) / n) for time in times]
+            for column in range(2):
+                exact = mpmath.fdot(waves, [mpmath.mpf(float(size)) for size in sizes[:, column]])
+                assert abs(complex(exact) - found[k - 1, column]) <= bound[column]
+
+
+def test_times_that_few_share_get_no_transform_of_their_own() -> None:
+    """Of 40 times, 4 share a part of an interval, and 5 another."""
+    parts = np.concatenate([np.linspace(-0.4, 0.4, 31), [0.123] * 4, [0.321] * 5])
+    assert _shared(parts) == pytest.approx([0.0, 0.321], abs=1e-15)
+
+
+@pytest.mark.parametrize("name", ["plain", "two parts", "lag, friction, two parts"])
+@pytest.mark.parametrize("held", [False, True])
+def test_what_sees_the_angle_of_a_motion_is_a_row_of_its_resolvent(name: str, held: bool) -> None:
+    """Of all numbers, those that are constant between events with them, against 30 digits."""
+    spec = SceneSpec.model_validate(GENERAL[name]).plain()
+    body = sample_general(spec, sample_rate_hz=1000.0, counts_per_rev=1024).body
+    g, w = generator(body, held=held), np.array([0.01, 0.3, 7.0])
+    row = np.array([1.0, 0.0, -0.5, 0.0, 0.0, 0.0])[: body.order]
+    found = _sight(g, row, w)
+    for k, one in enumerate(w):
+        with mpmath.workdps(30):
+            shifted = mpmath.matrix(g.tolist()) - mpmath.mpc(0.0, float(one)) * mpmath.eye(len(g))
+            padded = mpmath.matrix([[*row.tolist(), 0.0, 0.0, 0.0]])
+            exact = [complex(value) for value in padded * shifted**-1]
+        assert found[k].tolist() == pytest.approx(exact, rel=1e-11, abs=1e-14 * float(np.abs(exact).max()))
+
+
+@pytest.mark.parametrize("name", ["friction", "two parts"])
+def test_an_orbit_is_charted_once_for_its_measures_and_its_harmonics(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    knob = sample_general(SceneSpec.model_validate(GENERAL[name]).plain(), sample_rate_hz=1000.0, counts_per_rev=1024)
+    engine = GeneralEngine(compiled("general"))
+    found = engine.search(
+        knob.body, knob.wall, knob.start(0.02, 0.0), rate=knob.rate, phases=4, delay_line=0, max_samples=None
+    )
+    measurer, orbit, charted = GeneralMeasurer(knob, engine), found.attractors[0], []
+    chart = engine.chart
+    monkeypatch.setattr(engine, "chart", lambda *given: charted.append(given[2]) or chart(*given))
+    before, lines = measurer.measure(orbit), measurer.harmonics(orbit, 5000.0)
+    assert charted == [orbit]
+    other = orbit._replace(period=2 * orbit.period)
+    assert measurer.harmonics(other, 5000.0).frequency_hz[1] == pytest.approx(lines.frequency_hz[0])
+    assert measurer.measure(orbit) == before
+    assert charted == [orbit, other, orbit]
 
 
 CONTROLLERS = {

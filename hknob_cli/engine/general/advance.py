@@ -98,6 +98,16 @@ def rub_columns(z, u, span, s, g, f, body, pad, cols, command, count, width, mar
     if has_cogs(body.cogs):
         cog_columns(body.cogs, z, u, span, body, pad, cols, command, count, width, marks)
         return
+    if body.order == 2 and z[1] != 0.0 and body.spacing >= span:
+        # Most holds have no event.
+        x, v, ahead = z[0], z[1], 1.0 if z[1] > 0.0 else -1.0
+        y = u + body.drive - ahead * body.friction - body.beta * x
+        slow = f * v + s * y
+        if slow * ahead >= 0.0:
+            z[0], z[1] = x + (s * v + g * y), slow
+            spread_two(cols, command, count, width, s, g, f, body)
+            marks[1] = min(marks[1], abs(slow))
+            return
     left = span
     known = left > 0.0
     pull = acceleration(z, u, body)

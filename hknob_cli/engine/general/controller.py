@@ -53,12 +53,17 @@ def read_after(x, before, wall):
     return min(max(before, read(x - half, wall)), read(x + half, wall))
 
 
+def round_to_step(u, step):
+    """What the D/A converter makes of a torque."""
+    return step * floor(u / step + 0.5)
+
+
 def send(u, wall):
     """What is sent of a torque: nothing in the dead band; then the steps of the D/A converter, and the amplifier."""
     if abs(u) < wall.band:
         u = 0.0
     if wall.step > 0.0:
-        u = wall.step * floor(u / wall.step + 0.5)
+        u = round_to_step(u, wall.step)
     return min(wall.limit, max(-wall.limit, u))
 
 

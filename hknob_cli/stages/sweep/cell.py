@@ -1,7 +1,7 @@
 """One cell of a sweep: to the engine that its scene needs, and to the measures of what it finds."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.attractors import PATIENCE, USUAL, Attractor, Engine, NeedsCompilerError, Patience, Search, whole
@@ -14,6 +14,9 @@ from hknob_cli.specs.capabilities import COLUMNS, STARTS, TRIALS, engine_of, kin
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Cell, Scene, SweepPlan, scene_at
 from hknob_cli.stages.sweep.every_start import StartsFinder, why_open
+
+if TYPE_CHECKING:
+    from hknob_cli.stages.sweep.perceived import Perceived
 
 LAW_SETS = "friction sets"  # group of sets of starts with friction, or under a controller
 GROWTH_S = 1.0  # over which the bounces of an undamped knob are collected, where the spec does not say
@@ -49,7 +52,7 @@ class CellResult(NamedTuple):
     grows: tuple[float, float] | None = None
     why: Reason = Reason.NONE
     clock_bound: float | None = None
-    perceived: tuple[Any, ...] = ()  # stages.perceived.Perceived, one an attractor, where asked for
+    perceived: tuple["Perceived", ...] = ()  # one an attractor, where asked for
 
 
 def may_bounce(plan: SweepPlan) -> bool:
@@ -134,9 +137,8 @@ class CellFinder:
                 seconds=plan.seconds_per_cell,
             )
         measurer = Measurer(knob, self._engine)
-        found = _result(cell, knob.quantum_rad, search, measurer.measure, group)
-        found = found._replace(region=_reach(knob, search.region), grows=_reach(knob, search.grows))
-        return _perceived(plan, measurer, found)
+        found = _result(cell, knob.quantum_rad, search, measurer.measure, group, _feeling(plan, measurer))
+        return found._replace(region=_reach(knob, search.region), grows=_reach(knob, search.grows))
 
     def trace(self, loop: Loop, orbit: Attractor) -> Any:
         """One period of an orbit of the plain loop, as `engine.attractors.Engine.trace`."""
@@ -163,9 +165,8 @@ class CellFinder:
         except NeedsCompilerError:
             raise NeedsCompilerError(group) from None
         measurer = GeneralMeasurer(knob, self._general)
-        found = _result(cell, knob.quantum_rad, search, measurer.measure, group)
-        found = found._replace(region=_reach(knob, search.region), grows=_reach(knob, search.grows), clock_bound=bound)
-        return _perceived(plan, measurer, found)
+        found = _result(cell, knob.quantum_rad, search, measurer.measure, group, _feeling(plan, measurer))
+        return found._replace(region=_reach(knob, search.region), grows=_reach(knob, search.grows), clock_bound=bound)
 
     def _find_with_law(self, plan: SweepPlan, cell: Cell, group: str) -> CellResult:
         from hknob_cli.controllers.scalar_law import make_law
@@ -182,7 +183,7 @@ class CellFinder:
         except NeedsCompilerError:
             raise NeedsCompilerError(group) from None
         measurer = LawMeasurer(made.knob, engine)
-        return _perceived(plan, measurer, _result(cell, made.knob.quantum_rad, search, measurer.measure, group))
+        return _result(cell, made.knob.quantum_rad, search, measurer.measure, group, _feeling(plan, measurer))
 
     def _find_growth(self, plan: SweepPlan, cell: Cell) -> CellResult:
         from hknob_cli.measure.growth import bounce_peaks, energy_growth
@@ -204,8 +205,9 @@ class CellFinder:
         if len(peaks) < phases:
             ends.append(whole(Outcome.UNDECIDED, Reason.TIME_LIMIT, phases - len(peaks)))
         search = Search(tuple(ends), int(len(peaks) * duration / knob.period_s))
-        found = _result(cell, knob.quantum_rad, search, lambda _one: OrbitMeasures(), "bounces")
-        return _perceived(plan, None, found._replace(growth=energy_growth(peaks)))
+        feeling = _feeling(plan, None)  # there is no cycle
+        found = _result(cell, knob.quantum_rad, search, lambda _one: OrbitMeasures(), "bounces", feeling)
+        return found._replace(growth=energy_growth(peaks))
 
     def _find_unsampled(self, plan: SweepPlan, cell: Cell) -> CellResult:
         from hknob_cli.measure.unsampled import settle
@@ -269,36 +271,41 @@ def _reach(knob: Any, ranges: tuple[float, float, float, float] | None) -> tuple
     return max(abs(knob.angle_rad(low)), abs(knob.angle_rad(high))), speed
 
 
-def _perceived(plan: SweepPlan, measurer: Any, result: CellResult) -> CellResult:
-    """The result with what is felt and heard of its cycles, if the plan asks for it; no ``measurer``: it has none."""
-    if plan.perceive is None:
-        return result
+def _feeling(plan: SweepPlan, measurer: Any) -> Callable[[Attractor], "Perceived"] | None:
+    """Tells what is felt and heard of an end of trials, if the plan asks for it: nothing of what is no cycle."""
+    how = plan.perceive
+    if how is None:
+        return None
     from hknob_cli.stages.sweep.perceived import HIGHEST_HZ, Perceived, perceive
 
-    return result._replace(
-        perceived=tuple(
-            perceive(measurer.harmonics(one, HIGHEST_HZ), plan.perceive)
-            if one.outcome is Outcome.CYCLE
-            else Perceived()
-            for one in result.attractors
-        )
-    )
+    def feel(one: Attractor) -> Perceived:
+        return perceive(measurer.harmonics(one, HIGHEST_HZ), how) if one.outcome is Outcome.CYCLE else Perceived()
+
+    return feel
 
 
 def _result(
-    cell: Cell, quantum_rad: float, search: Search, measure: Callable[[Attractor], OrbitMeasures], group: str
+    cell: Cell,
+    quantum_rad: float,
+    search: Search,
+    measure: Callable[[Attractor], OrbitMeasures],
+    group: str,
+    feel: Callable[[Attractor], "Perceived"] | None = None,
 ) -> CellResult:
-    measures = tuple(measure(one) for one in search.attractors)
-    attractors = tuple(
-        whole(Outcome.UNDECIDED, Reason.TOO_LONG, one.trials) if one.outcome is Outcome.CYCLE and not m.cycles else one
-        for one, m in zip(search.attractors, measures, strict=True)
-    )
+    attractors, measures, perceived = [], [], []
+    for one in search.attractors:
+        measures.append(measure(one))
+        if one.outcome is Outcome.CYCLE and not measures[-1].cycles:
+            one = whole(Outcome.UNDECIDED, Reason.TOO_LONG, one.trials)
+        attractors.append(one)
+        if feel:
+            perceived.append(feel(one))
     open_ = search.complete is not None and not search.complete
     return CellResult(
         cell=cell,
         quantum_rad=quantum_rad,
-        attractors=attractors,
-        measures=measures,
+        attractors=tuple(attractors),
+        measures=tuple(measures),
         samples=search.samples,
         group=group,
         complete=bool(search.complete),
@@ -306,4 +313,5 @@ def _result(
         undecided=search.undecided,
         share_error=search.share_error,
         why=why_open(attractors) if open_ and search.why is Reason.NONE else search.why,
+        perceived=tuple(perceived),
     )

@@ -4,10 +4,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
+from hknob_cli.engine.general.advance import rub_columns
 from hknob_cli.engine.general.interval import advance, advance_columns
 from hknob_cli.engine.general.period_map import invert
 from hknob_cli.engine.general.search import make_space
+from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.scene.general_knob import GeneralKnob
 
 from .bodies import knob
@@ -111,3 +114,31 @@ def test_inverse(m: int) -> None:
     for c in range(m):
         cols[c * stride + c] = 1.0
     assert not invert([0.0] * (2 * m * m), cols, m, stride)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.25])
+def test_a_hold_without_an_event_is_that_of_a_matrix_exponential(friction: float) -> None:
+    """Of motion and columns alike; the mark of a velocity at the end is how far that is from zero."""
+    one = knob(knob={"inertia": 1.98e-6, "damping": 1.1e-5, "coulomb_torque": friction * 1e-3}).body
+    numbers, kept, span = np.random.default_rng(11), 0, 0.75
+    rates = np.array([[0.0, 1.0, 0.0], [-one.beta, -one.alpha, 1.0], [0.0, 0.0, 0.0]])
+    path = [expm(rates * span * part) for part in np.linspace(0.0, 1.0, 65)]
+    for _ in range(200):
+        x, v, u = numbers.uniform(-3.0, 3.0), numbers.uniform(-1.0, 1.0), numbers.uniform(-2.0, 2.0)
+        start = np.array([x, v, u + one.drive - np.sign(v) * one.friction])
+        if not all((through @ start)[1] * v > 1e-9 for through in path):
+            continue
+        kept += 1
+        z, cols, marks, width = [x, v], [7.0] * 15, [9.0, 9.0, 9.0], 3
+        columns = numbers.normal(size=(2, 3))  # position, speed and command
+        for c in range(2):
+            cols[c * width : c * width + 2], cols[9 + c] = columns[c, :2].tolist(), float(columns[c, 2])
+        pad = [0.0] * 4
+        rub_columns(z, u, span, *hold_coefficients(one.alpha, one.beta, span), one, pad, cols, 9, 2, width, marks)
+        end = path[-1] @ start
+        assert z == pytest.approx(end[:2].tolist(), rel=1e-12, abs=1e-13)
+        for c in range(2):
+            through = (path[-1] @ columns[c])[:2].tolist()
+            assert cols[c * width : c * width + 2] == pytest.approx(through, rel=1e-12, abs=1e-13)
+        assert marks == [9.0, abs(z[1]), 9.0]
+    assert kept > 30

@@ -116,7 +116,7 @@ def test_what_rounding_adds_goes_through_every_later_interval() -> None:
         total += np.abs(through) @ noise
         through = through @ one
     total += np.abs(through) @ first
-    assert [carried(i, 7, law, m, space.spare) for i in range(m)] == pytest.approx(total.tolist(), rel=1e-12)
+    assert [carried(i, 0, m, 7, law, m, space.spare) for i in range(m)] == pytest.approx(total.tolist(), rel=1e-12)
     assert len({law.slopes[i] for i in range(7)}) == 2  # with and without the damper
 
 

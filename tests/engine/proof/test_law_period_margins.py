@@ -632,6 +632,21 @@ def test_what_fades_settles_and_then_the_torques_under_way(
         assert proof.find_periodic_past(z, PAST, period, body(), WALL, law, space) is found
 
 
+@pytest.mark.parametrize(
+    ("more", "laps"),
+    [({}, 1), ({"fading": FADES, "fade": 0.5}, 2), ({"drifts": SUM}, 2), ({"ages": 2}, 2), ({"ages": 3}, 2)],
+)
+def test_another_lap_is_run_where_it_is_not_the_first_one_again(
+    monkeypatch: pytest.MonkeyPatch, more: dict[str, Any], laps: int
+) -> None:
+    """For what fades or is a sum, and torques under way: without them what is remembered decides all of a lap."""
+    law, samples = law_of(**({"ages": 1} | more)), []
+    space = make_space(2, len(PAST), lambda count: [7.0] * count)
+    monkeypatch.setattr(proof, "advance_with_law", lambda *_: samples.append(0) or FREE)
+    assert proof.find_periodic_past([-2.5, 0.25], PAST, 4, body(), WALL, law, space)
+    assert len(samples) == 4 * laps
+
+
 # A period run.
 
 

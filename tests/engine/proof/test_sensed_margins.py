@@ -39,7 +39,7 @@ def law_of(m: int = 4, **more: Any) -> Any:
         "unit": 1.0,
         "line": LINE, "parts": 1, "ages": AGES, "pieces": 2, "coarse": 2.0, "fading": -1, "drifts": -1, "pair": [],
         "watch": WALL, "out": [7.0, 7.0], "beside": [7.0] * len(PAST), "periodic": [7.0] * len(PAST),
-        "affine": [7.0] * ((m + 1) * m), "slopes": [7.0] * sensed.BLOCK, "noise": [7.0] * (3 * m), "sched": [],
+        "affine": [7.0] * ((m + 1) * m), "slopes": [7.0] * sensed.BLOCK, "noise": [7.0] * (4 * m), "sched": [],
     }  # fmt: skip
     return SimpleNamespace(**(one | more))
 
@@ -148,42 +148,69 @@ def test_what_rounding_adds_goes_through_every_later_interval(seed: int) -> None
     law.slopes[:count] = slopes
     law.noise[: 2 * m] = [*noise, *first]
     maps = [plant + slope * np.outer(torque, np.eye(m)[1]) for slope in slopes]
-    total, through = np.zeros(m), np.eye(m)
-    for one in reversed(maps):
-        total += np.abs(through) @ noise
-        through = through @ one
-    total += np.abs(through) @ first
-    row = [9.0] * (2 * m)
-    assert [sensed.carried(i, count, law, m, row) for i in range(m)] == pytest.approx(total.tolist(), rel=1e-12)
-    assert [sensed.carried(i, 0, law, m, row) for i in range(m)] == pytest.approx(first.tolist(), rel=1e-15)
-    before = list(law.noise[: 2 * m])
-    sensed.close_block(count, law, m, row)
-    assert law.noise[m : 2 * m] == pytest.approx(total.tolist(), rel=1e-12)
-    assert law.noise[:m] == before[:m]
+
+    def after(begin: int, there: np.ndarray) -> np.ndarray:
+        """From what there was ``begin`` intervals into the block."""
+        total, through = np.zeros(m), np.eye(m)
+        for one in reversed(maps[begin:]):
+            total += np.abs(through) @ noise
+            through = through @ one
+        return np.asarray(total + np.abs(through) @ there)
+
+    row, total = [9.0] * (2 * m), after(0, first)
+    for begin in range(count + 1):
+        there = numbers.uniform(0.1, 1.0, m)
+        law.noise[3 * m :] = there
+        found_ = [sensed.carried(i, begin, 3 * m, count, law, m, row) for i in range(m)]
+        assert found_ == pytest.approx(after(begin, there).tolist(), rel=1e-12)
+    assert [sensed.carried(i, 0, m, 0, law, m, row) for i in range(m)] == pytest.approx(first.tolist(), rel=1e-15)
+    for start in (3 * m, m):  # of a stop, and of the next block
+        before = list(law.noise)
+        sensed.sum_block(start, count, law, m, row)
+        assert law.noise[start : start + m] == pytest.approx(total.tolist(), rel=1e-12)
+        before[2 * m : 3 * m], before[start : start + m] = law.noise[2 * m : 3 * m], law.noise[start : start + m]
+        assert law.noise == before
+
+
+def test_a_sum_that_goes_on_from_a_stop_bounds_that_of_the_whole_block() -> None:
+    """It is no smaller, and equal where nothing cancels."""
+    numbers, m, count = np.random.default_rng(7), 4, 6
+    for signs in (True, False):
+        law, row = law_of(), [9.0] * (2 * m)
+        law.slopes[:count] = numbers.uniform(0.1, 1.0, count)
+        law.affine[:] = numbers.normal(size=(m + 1) * m) if signs else numbers.uniform(0.1, 1.0, (m + 1) * m)
+        law.noise[: 2 * m] = numbers.uniform(0.1, 1.0, 2 * m)
+        for stop in range(count):
+            sensed.sum_block(3 * m, stop, law, m, row)
+            for entry in range(m):
+                whole = sensed.carried(entry, 0, m, count, law, m, row)
+                on = sensed.carried(entry, stop, 3 * m, count, law, m, row)
+                assert on >= whole * (1.0 - 1e-12)
+                assert signs or on == pytest.approx(whole, rel=1e-12)
 
 
 class Within(NamedTuple):
-    """A period of 5 samples in blocks of 2, whose derivatives and roundings are written down."""
+    """A period of 9 samples in blocks of 4 with a stop at every other, whose derivatives and roundings are known."""
 
     place: list[float]  # by the orbit's error, of each sample
     speed: list[float]
     far: list[float]  # by a difference of the trial's
     fast: list[float]
     found: Any
-    closed: list[tuple[int, list[float]]]
+    closed: list[tuple[int, int, list[float]]]  # where a sum is left, of how many samples, and their slopes
 
 
 POWER, AWAY = [0.25, 0.5, 0.125], [1.0, 0.5, 2.0]
 
 
 def run_within(patch: pytest.MonkeyPatch, gaps: list[float] | None = None, guards: list[float] | None = None) -> Within:
-    numbers, period, m = np.random.default_rng(4), 5, 3
+    numbers, period, m = np.random.default_rng(4), 9, 3
     law, space, past = law_of(3), space_of(), list(PAST)
     scripts = [np.eye(m), *(numbers.integers(-8, 8, (m, m)) / 8.0 for _ in range(period))]
-    errors = [(0.25, 0.5), (0.75, 0.125), (0.5, 0.25), (0.125, 1.0), (0.375, 0.875)]
+    errors = numbers.permutation(2 * period).reshape(period, 2) / 16.0
     space.orbit[:], space.power[:m], space.away[:m] = [1.5, -0.25], POWER, AWAY
     samples: list[int] = []
-    closed: list[tuple[int, list[float]]] = []
+    closed: list[tuple[int, int, list[float]]] = []
 
     def sense(memory: Any, wall: Any, _: Any, room: Any, count: int) -> Any:
         k = len(samples)
@@ -200,24 +227,31 @@ def run_within(patch: pytest.MonkeyPatch, gaps: list[float] | None = None, guard
             for i in range(m):
                 room.cols[c * room.width + i] = float(scripts[len(samples)][i, c])
 
-    def carried(entry: int, count: int, given: Any, size: int, row: Any) -> float:
-        assert (count, size) == ((len(samples) - 1) % 2, m)
-        assert entry in (0, 1)
-        return errors[len(samples) - 1][entry]
+    def carried(entry: int, begin: int, start: int, count: int, given: Any, size: int, row: Any) -> float:
+        at = (len(samples) - 1) % 4
+        assert (begin, start, count, size) == (at - at % 2, 3 * m, at, m)
+        assert closed[-1][:2] == (3 * m, begin)
+        return float(errors[len(samples) - 1][entry])
 
-    def close(count: int, given: Any, size: int, row: Any) -> None:
+    def close(start: int, count: int, given: Any, size: int, row: Any) -> None:
         assert size == m
-        closed.append((count, list(given.slopes[:count])))
+        closed.append((start, count, list(given.slopes[:count])))
 
-    patch.setattr(sensed, "BLOCK", 2)
-    for name, one in (("sense", sense), ("move_columns", move), ("carried", carried), ("close_block", close)):
+    patch.setattr(sensed, "BLOCK", 4)
+    patch.setattr(sensed, "STOP", 2)
+    for name, one in (("sense", sense), ("move_columns", move), ("carried", carried), ("sum_block", close)):
         patch.setattr(sensed, name, one)
     result = sensed.within(past, period, BODY, WALL, law, space, m)
     sizes = np.abs(np.array(scripts[:-1]))
-    first, near = np.array(errors), sizes[:, :2] @ np.array(POWER)
-    wide = sizes[:, :2] @ np.array(AWAY)
-    lists = (*(first + near).T.tolist(), *(first + wide).T.tolist())
-    return Within(*lists, result, closed)
+    near, wide = sizes[:, :2] @ np.array(POWER), sizes[:, :2] @ np.array(AWAY)
+    lists = (*(errors + near).T.tolist(), *(errors + wide).T.tolist())
+    whole = list(closed)
+    closed.clear()
+    samples.clear()
+    assert sensed.chart_rounding(past, period, BODY, WALL, law, space, m) is None
+    assert closed == [one for one in whole if one[0] == m] + [(m, 1, [8.5])]
+    assert [space.cols[c * space.width + i] for i in range(m) for c in range(m)] == scripts[-1].ravel().tolist()
+    return Within(*lists, result, whole)
 
 
 def test_every_sample_keeps_its_reading_and_its_guard_or_it_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -225,11 +259,15 @@ def test_every_sample_keeps_its_reading_and_its_guard_or_it_is_told(monkeypatch:
     told = run_within(monkeypatch)
     assert told.found == (True, True, True, max(told.place))
     assert told.place[-1] < max(told.place) > told.place[0]
-    assert told.closed == [(2, [0.5, 1.5]), (2, [2.5, 3.5]), (1, [4.5])]
-    for k in range(5):
+    one, two, stop, block = [0.5, 1.5, 2.5, 3.5], [4.5, 5.5, 6.5, 7.5], 9, 3
+    assert told.closed == [
+        (stop, 0, []), (stop, 2, one[:2]), (block, 4, one),
+        (stop, 0, []), (stop, 2, two[:2]), (block, 4, two), (stop, 0, []),
+    ]  # fmt: skip
+    for k in range(9):
         for which, sizes in product(("gaps", "guards"), (told.place, told.speed, told.far, told.fast)):
             for size in (sizes[k], nextafter(sizes[k], inf)):
-                margins = [9.0] * 5
+                margins = [9.0] * 9
                 margins[k] = size
                 edges, guards, near, bound = run_within(monkeypatch, **{which: margins}).found
                 first, wide = (told.place, told.far) if which == "gaps" else (told.speed, told.fast)
@@ -325,15 +363,16 @@ def prove(
         assert (memory is law.beside, given, of, count) == (True, one, law, m)
         begun.append(0)
 
-    def within(beside: Any, samples: int, given: Any, w: Any, of: Any, room: Any, count: int) -> Any:
+    def round_off(beside: Any, samples: int, given: Any, w: Any, of: Any, room: Any, count: int) -> None:
         assert (beside is law.beside, samples, given, w, of, count) == (True, period, one, wall, law, m)
         assert beside == law.periodic
         begun.append(1)
-        if len(begun) == 2:
-            assert room.power[:m] == room.away[:m] == [0.0] * m
-            law.noise[m : 2 * m] = list(stage.errors)[:m]
-            return False, False, False, 99.0
-        assert begun == [0, 1, 1]
+        law.noise[m : 2 * m] = list(stage.errors)[:m]
+
+    def within(beside: Any, samples: int, given: Any, w: Any, of: Any, room: Any, count: int) -> Any:
+        assert (beside is law.beside, samples, given, w, of, count) == (True, period, one, wall, law, m)
+        assert beside == law.periodic
+        assert begun == [0, 1]
         assert (room.power[:m], room.away[:m]) == ([11.0] * m, [13.0] * m)
         return (*stage.within, 0.0625)
 
@@ -356,7 +395,7 @@ def prove(
         patch.setattr(sensed, "EPSILON", unit)
         for name, stand in (
             ("turn_sensed", turn), ("chart_interval", chart), ("within", within), ("dissipates", dissipates),
-            ("bound_growth", grow),
+            ("bound_growth", grow), ("chart_rounding", round_off),
         ):  # fmt: skip
             patch.setattr(sensed, name, stand)
         result = sensed.certify_sensed(list(start), memory, period, one, wall, law, space)

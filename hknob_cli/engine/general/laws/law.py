@@ -11,6 +11,7 @@ SPAN, S, G, F, TORQUE, LOOK, MATRIX = range(PIECE)
 # by how much that norm is larger than the size of a difference.
 PAIR_NORM, PAIR_ACROSS, PAIR = 4, 8, 9
 BLOCK = 256  # samples over which rounding is followed one by one
+STOP = 16  # of them, from one place where it is summed up to the next
 ROUNDINGS = 16.0  # of a torque, or of an update of what fades
 AT_SWITCH = 8  # status of a proof: a guard of the law lies within the error bound
 
@@ -59,5 +60,5 @@ class Law(NamedTuple):
     periodic: Any  # like ``past``, of the periodic orbit
     affine: Any  # ((m + 1) * m), of a law that senses, m numbers in `laws.sensed`: an interval's map
     slopes: Any  # (BLOCK), by the speed, of the torques of a block of intervals
-    noise: Any  # (3 * m), what rounding may come to
+    noise: Any  # (4 * m), what rounding may come to: in an interval, up to a block, in work, and up to a stop in it
     pair: Any = ()  # numbers of two rows that fade together, or none

@@ -3,9 +3,10 @@
 Without friction, and while no reading and no guard of the law changes, an interval is an affine map of the plant's
 state and the torques under way, and so is a period: its derivative M is carried along with the slopes of the torques.
 Newton's method finds the fixed point. What rounding adds in an interval goes through all later ones of the period; a
-bound on that is carried along as well, block by block. The powers of M, or an ellipse that M shrinks, say how far a
-trial's difference from the orbit can ever get at the start of a period, and the derivative up to a sample what that
-means there. Where no sample comes to an edge, nor the speed to where the law acts otherwise, the trial stays for ever.
+bound on that is carried along as well, block by block, and summed at some samples of a block, from which those after
+them go on. The powers of M, or an ellipse that M shrinks, say how far a trial's difference from the orbit can ever get
+at the start of a period, and the derivative up to a sample what that means there. Where no sample comes to an edge, nor
+the speed to where the law acts otherwise, the trial stays for ever.
 
 Rest is a period of one sample.
 """
@@ -15,7 +16,7 @@ from hknob_cli.engine.general.advance import rub_columns
 from hknob_cli.engine.general.body import copy_to
 from hknob_cli.engine.general.controller import count_gap, edge_gap, read, table_size
 from hknob_cli.engine.general.laws.cascade import same_count
-from hknob_cli.engine.general.laws.law import AT_SWITCH, BLOCK, PIECE, ROUNDINGS, SPAN, TORQUE, F, G, S
+from hknob_cli.engine.general.laws.law import AT_SWITCH, BLOCK, PIECE, ROUNDINGS, SPAN, STOP, TORQUE, F, G, S
 from hknob_cli.engine.general.laws.step import decide
 from hknob_cli.engine.general.period_map import EXPANDS, LEAST_SCALE, NEWTON_STEPS
 from hknob_cli.engine.general.powers import bound_growth, dissipates, invert
@@ -104,15 +105,16 @@ def chart_interval(past, body, law, space, m):
             law.affine[c * m + i] = space.cols[c * space.width + i]
 
 
-def carried(entry, count, law, m, row):
+def carried(entry, begin, start, count, law, m, row):
     """Bound on what rounding has come to in ``entry`` of the state, ``count`` intervals into a block.
 
-    ``law.noise`` has what an interval adds (m), and what there was at the block's beginning (m). ``row`` is work space.
+    ``law.noise`` has what an interval adds (m), and, from ``start`` on, what there was ``begin`` intervals into the
+    block (m). ``row`` is work space.
     """
     for c in range(m):
         row[c] = 1.0 if c == entry else 0.0
     total = 0.0
-    for j in range(count - 1, -1, -1):
+    for j in range(count - 1, begin - 1, -1):
         pushed = 0.0
         for i in range(m):
             total += abs(row[i]) * law.noise[i]
@@ -125,34 +127,56 @@ def carried(entry, count, law, m, row):
         for c in range(m):
             row[c] = row[m + c]
     for c in range(m):
-        total += abs(row[c]) * law.noise[m + c]
+        total += abs(row[c]) * law.noise[start + c]
     return total
 
 
-def close_block(count, law, m, row):
-    """Begin a new block after ``count`` intervals."""
+def sum_block(start, count, law, m, row):
+    """Leave in ``law.noise``, from ``start`` on, what rounding has come to ``count`` intervals into a block."""
     for i in range(m):
-        law.noise[2 * m + i] = carried(i, count, law, m, row)
+        law.noise[2 * m + i] = carried(i, 0, m, count, law, m, row)
     for i in range(m):
-        law.noise[m + i] = law.noise[2 * m + i]
+        law.noise[start + i] = law.noise[2 * m + i]
+
+
+def begin_period(space, law, m):
+    """Put the orbit, the columns and what rounding has come to at the start of a period."""
+    begin_columns(space, m)
+    copy_to(space.state, space.orbit)
+    for i in range(m):
+        law.noise[m + i] = 0.0
+
+
+def chart_rounding(past, period, body, wall, law, space, m):
+    """Leave in ``law.noise`` what rounding has come to at the end of a period, and its derivative in the columns."""
+    begin_period(space, law, m)
+    count = 0
+    for _ in range(period):
+        _, _, _, law.slopes[count] = sense(past, wall, law, space, m)
+        count += 1
+        move_columns(past, body, law, space, m)
+        if count == BLOCK:
+            sum_block(m, count, law, m, space.spare)
+            count = 0
+    sum_block(m, count, law, m, space.spare)
 
 
 def within(past, period, body, wall, law, space, m):
     """Whether readings and guards of a period stay: ``(edges, guards, near, bound)``.
 
     By the orbit's error, ``space.power`` at its start, every sample keeps its reading, and every speed its guard; and
-    both by a difference of ``space.away`` there. ``bound``: on the error of a position. What rounding has come to at
-    the end of the period is left in ``law.noise``.
+    both by a difference of ``space.away`` there. ``bound``: on the error of a position.
     """
     width = space.width
-    begin_columns(space, m)
-    copy_to(space.state, space.orbit)
-    for i in range(m):
-        law.noise[m + i] = 0.0
+    begin_period(space, law, m)
     edges, guards, near, bound, count = True, True, True, 0.0, 0
     for _ in range(period):
-        gap, _, guard, slope = sense(past, wall, law, space, m)
-        place, pace = carried(0, count, law, m, space.spare), carried(1, count, law, m, space.spare)
+        gap, _, guard, law.slopes[count] = sense(past, wall, law, space, m)
+        if count % STOP == 0:
+            sum_block(3 * m, count, law, m, space.spare)
+        begin = count - count % STOP
+        place = carried(0, begin, 3 * m, count, law, m, space.spare)
+        pace = carried(1, begin, 3 * m, count, law, m, space.spare)
         far, fast = place, pace
         for c in range(m):
             place += abs(space.cols[c * width]) * space.power[c]
@@ -162,13 +186,11 @@ def within(past, period, body, wall, law, space, m):
         edges, guards = edges and place < gap, guards and pace < guard
         near = near and far < gap and fast < guard
         bound = max(bound, place)
-        law.slopes[count] = slope
         count += 1
         move_columns(past, body, law, space, m)
         if count == BLOCK:
-            close_block(count, law, m, space.spare)
+            sum_block(m, count, law, m, space.spare)
             count = 0
-    close_block(count, law, m, space.spare)
     return edges, guards, near, bound
 
 
@@ -218,10 +240,9 @@ def certify_sensed(z, past, period, body, wall, law, space):
         law.noise[i] = wrong
         if i < n:
             law.noise[i] += rounding * ((reach + pace) if i % 2 == 0 else 2.0 * pace)
-        space.power[i], space.away[i] = 0.0, 0.0
     chart_interval(law.beside, body, law, space, m)
     copy_to(law.beside, law.periodic)
-    within(law.beside, period, body, wall, law, space, m)
+    chart_rounding(law.beside, period, body, wall, law, space, m)
     for i in range(m):
         total = 0.0
         for j in range(m):

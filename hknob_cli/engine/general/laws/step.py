@@ -2,7 +2,7 @@
 
 from hknob_cli.engine.general.advance import advance_hold, advance_span, rub_many
 from hknob_cli.engine.general.cogging import has_cogs
-from hknob_cli.engine.general.controller import read_after, send
+from hknob_cli.engine.general.controller import read, read_after, send
 from hknob_cli.engine.general.hysteresis import turn_and_count
 from hknob_cli.engine.general.jitter import begin_clock, meant_pace, next_span
 from hknob_cli.engine.general.laws.law import LOOK, MATRIX, PIECE, SPAN, TORQUE, F, G, S
@@ -76,18 +76,11 @@ def decide(shown, speed, past, wall, law):
 
 
 def move_piece(z, past, piece, body, law, pad):
-    """Move ``z`` over one piece of an interval."""
+    """Move ``z``, beside cogging or of more than angle and speed, over one piece of an interval."""
     at = piece * PIECE
     u = past[int(law.sched[at + TORQUE])]
     if has_cogs(body.cogs):
         cog_many(body.cogs, z, u, law.sched[at + SPAN], body, pad)
-    elif body.order == 2:
-        s, g, f = law.sched[at + S], law.sched[at + G], law.sched[at + F]
-        if body.friction > 0.0:
-            z[0], z[1] = step_with_friction(z[0], z[1], u, law.sched[at + SPAN], s, g, f, body)
-        else:
-            y = u + body.drive - body.beta * z[0]
-            z[0], z[1] = z[0] + (s * z[1] + g * y), f * z[1] + s * y
     elif body.friction > 0.0 or body.play > 0.0:
         rub_many(z, u, law.sched[at + SPAN], body, pad)
     else:
@@ -115,9 +108,32 @@ def count_piece(z, past, piece, body, wall, law, pad):
     return margin
 
 
+def glide(z, past, body, wall, law):
+    """Move ``z`` of angle and speed over all pieces of an interval, and look.
+
+    Between the pieces neither waits in memory, where each look would be in its way.
+    """
+    x, v = z[0], z[1]
+    for piece in range(law.pieces):
+        at = piece * PIECE
+        u, s, g, f = past[int(law.sched[at + TORQUE])], law.sched[at + S], law.sched[at + G], law.sched[at + F]
+        if body.friction > 0.0:
+            x, v = step_with_friction(x, v, u, law.sched[at + SPAN], s, g, f, body)
+        else:
+            y = u + body.drive - body.beta * x
+            x, v = x + (s * v + g * y), f * v + s * y
+        look = int(law.sched[at + LOOK])
+        if look >= 0:
+            past[look] = read(x, wall)
+    z[0], z[1] = x, v
+
+
 def advance_with_law(z, past, body, wall, law, pad):
     """One interval from a sample to the next; the least guard."""
     guard = sense(z[0], z[1], past, wall, law)
+    if body.order == 2 and wall.hysteresis == 0.0 and not has_cogs(body.cogs):
+        glide(z, past, body, wall, law)
+        return guard
     for piece in range(law.pieces):
         if wall.hysteresis > 0.0:
             count_piece(z, past, piece, body, wall, law, pad)
