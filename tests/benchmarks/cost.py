@@ -15,6 +15,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from hknob_cli.page.claims.ledger import load_ledger
+from hknob_cli.page.claims.verdict import judge
+from hknob_cli.results.result_set import ResultSet
 from hknob_cli.specs.load import load
 from hknob_cli.stages.design.run import DesignStage
 from hknob_cli.stages.dfa.run import DfaStage
@@ -25,6 +28,9 @@ EXPERIMENTS = Path(__file__).parents[2] / "experiments"
 PLAIN = EXPERIMENTS / "hand_on_knob.yaml"
 EVERY = EXPERIMENTS / "every_start.yaml"
 FRICTION = "scene.knob.coulomb_torque=0.56 mN*m"
+CLAIMS = EXPERIMENTS.parent / "data" / "claims.yaml"
+PAPER = EXPERIMENTS.parent / "results" / "dissertation"
+FINGER, PAD = "{inertia: 3e-7, damping: 5e-3, stiffness: 0.5}", "{damping: 3e-4, stiffness: 0.1}"
 ONE_CELL = ("grid.sample_rate_hz=1000", "grid.counts_per_rev=1024")
 
 
@@ -61,6 +67,24 @@ def remedies(cells: int) -> object:
     return RemediesStage(load(EXPERIMENTS / "remedies.yaml", overrides, kind="remedies"), jobs=1).run()  # type: ignore[arg-type]
 
 
+def trial(*overrides: str) -> object:
+    return sweep(*ONE_CELL, "starts={angle: 0.02, phases: 16}", *overrides)
+
+
+def ordered(order: int) -> object:
+    """16 trials of 100,000 samples beside clock jitter, of a knob with so many numbers as state."""
+    lag, finger = "scene.actuator.time_constant=2e-4", f"scene.hand={{finger: {FINGER}, fingerpad: {PAD}}}"
+    more = {2: (), 3: (lag,), 4: (finger,), 5: (finger, lag)}[order]
+    return trial("scene.clock.jitter=0.2", "limits.max_samples=100000", *more)
+
+
+def claims(count: int) -> object:
+    """What `hknob report` judges, of the results that `make paper` has left."""
+    ledger = load_ledger(CLAIMS)
+    evidence = ResultSet({folder.name: folder for folder in PAPER.iterdir() if folder.is_dir()})
+    return judge(ledger.model_copy(update={"claims": ledger.claims[:: len(ledger.claims) // count]}), evidence)
+
+
 def rates(count: int) -> str:
     return f"grid.sample_rate_hz={{log: [100, 10000, {count}]}}"
 
@@ -91,6 +115,18 @@ CURVES: dict[str, Curve] = {
         (1, 2, 4, 8, 16),
         lambda n: sweep(*ONE_CELL, f"scene.actuator.delay_samples={n}", "starts={angle: 0.02}"),
     ),
+    "samples": Curve(
+        "samples of each of 16 trials that do not repeat",
+        (320_000, 1_280_000, 5_120_000),
+        lambda n: trial("scene.clock.jitter=0.2", f"limits.max_samples={n}"),
+    ),
+    "periods": Curve(
+        "samples of a period: 16 trials at 40 to 2560 kHz",
+        (400, 1600, 6400, 25_600),
+        lambda n: trial(f"grid.sample_rate_hz={100 * n}"),
+    ),
+    "order": Curve("order of the plant, 16 trials of 100,000 samples", (2, 3, 4, 5), ordered),
+    "claims": Curve("claims of the dissertation, judged", (20, 40, 80, 160), claims),
     "people": Curve(
         "people, 2 cells, 64 phases",
         (100, 200, 400, 800),

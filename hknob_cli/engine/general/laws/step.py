@@ -108,7 +108,7 @@ def count_piece(z, past, piece, body, wall, law, pad):
     return margin
 
 
-def glide(z, past, body, wall, law):
+def advance_two(z, past, body, wall, law):
     """Move ``z`` of angle and speed over all pieces of an interval, and look.
 
     Between the pieces neither waits in memory, where each look would be in its way.
@@ -132,7 +132,7 @@ def advance_with_law(z, past, body, wall, law, pad):
     """One interval from a sample to the next; the least guard."""
     guard = sense(z[0], z[1], past, wall, law)
     if body.order == 2 and wall.hysteresis == 0.0 and not has_cogs(body.cogs):
-        glide(z, past, body, wall, law)
+        advance_two(z, past, body, wall, law)
         return guard
     for piece in range(law.pieces):
         if wall.hysteresis > 0.0:
