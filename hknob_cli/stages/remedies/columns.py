@@ -67,7 +67,7 @@ def felt_columns(*, gained: bool) -> tuple[Column, ...]:
         *TOUCH,
         *sound,
         STEP_DB,
-        Column("undecided_fraction", _REAL, "1", "part of the trials that never repeat, whose motion has no level"),
+        Column("undecided_fraction", _REAL, "1", "part of the trials without a level: no period was found or measured"),
         Column("touch_reference_db", _REAL, "dB", "touch_db of the reference"),
         Column(f"{heard.name[:-3]}_reference_db", _REAL, "dB", f"{heard.name} of the reference"),
         Column("touch_change_db", _REAL, "dB", f"touch_db {_OVER}"),

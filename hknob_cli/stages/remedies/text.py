@@ -142,7 +142,10 @@ def trial_text(summary: dict[str, Any]) -> str:
             "louder; of the hand that notices most.",
         ]
         if summary["undecided"]:
-            lines.append(f"{summary['undecided']} rows have trials that never repeat: those have no level.")
+            lines += [
+                f"{summary['undecided']} rows have undecided trials: they do not repeat in time, or their period",
+                "is too long to measure. Those have no level.",
+            ]
     return "\n".join(lines)
 
 
