@@ -204,7 +204,7 @@ class Engine(Runner):
             line=self.zeros(width * delay_line),
             ring=self.zeros(delay_line),
             table=self.zeros(ROW * CAPACITY),
-            lines=self.zeros(max(1, CAPACITY * delay_line)),
+            lines=self.zeros(CAPACITY * delay_line),
         )
         budget = TrialBudget(skip, min(most, patience + skip) if cut else most, not cut, limit)
         rows, overflow, samples = 0, 0, 0
@@ -285,7 +285,7 @@ def why_unrepeated(rate: float, budget: int, *, held: bool) -> Reason:
 
 def attractor_of(row: Any, line: Any, unrepeated: Reason) -> Attractor:
     """Attractor from a row of the kernel's table; ``unrepeated``: the reason for one whose levels never repeated."""
-    fate, n, x, v, margin, edge, closure, bound, trials, _ = (float(value) for value in row)
+    fate, n, x, v, margin, edge, closure, bound, trials = (float(value) for value in row)
     outcome, reason = FATES[int(fate)]
     if reason is Reason.NO_REPEAT:
         reason = unrepeated

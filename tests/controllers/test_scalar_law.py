@@ -107,3 +107,11 @@ def test_an_interval_is_cut_where_torques_change_and_looks_are() -> None:
     assert pieces_of(made(LAG)) == [(1.0, 0, -1)]
     assert pieces_of(made(LAG, actuator={"delay_samples": 1.0})) == [(1.0, 0, -1)]
     assert pieces_of(made(LAG, actuator={"delay_samples": 0.25})) == [(0.25, 0, -1), (0.75, 1, -1)]
+
+
+def test_a_torque_that_ends_with_an_interval_leaves_no_piece_behind() -> None:
+    """A delay of 1.9 samples and a pulse of 0.1: in doubles the two parts of a sample are a rounding short of 1."""
+    assert (1.9 % 1.0) + 0.1 < 1.0
+    one = made({"kind": "impulse_damping", "pulse": 0.1}, actuator={"delay_samples": 1.9})
+    # The older rest goes on to 0.9, and there the next pulse begins; it fills the interval.
+    assert [(pytest.approx(span), torque) for span, torque, _ in pieces_of(one)] == [(0.9, 1), (0.1, 2)]
