@@ -102,6 +102,9 @@ def test_a_goal_is_stopped_at_in_its_own_piece() -> None:
     found = move_on(1.0, -1.0, 0.0, 0.5, 1.0, -1.0 + move, rubbed)
     assert found[1:3] == (1.0, -1.0)
     assert found[3] == pytest.approx(move, rel=1e-15)
+    # Drawn out by 1, on a spring of 1, so damped that it never swings: it creeps to 1, and no further.
+    creeps = BALL._replace(alpha=3.0, beta=1.0, gamma=-1.0)
+    assert move_on(0.0, 0.0, 2.0, 0.0, -1.0, 1.0, creeps) == (ENDS, 0.0, 0.0, 1.0, 0.0, inf)
 
 
 @pytest.mark.parametrize(

@@ -28,6 +28,7 @@ STANDSTILL = (
     f"{GENERAL}test_inner_region.py",
 )
 BODIES = (
+    "advance",
     "columns",
     "controller",
     "event_bounds",
@@ -36,11 +37,13 @@ BODIES = (
     "over_angle",
     "powers",
     "proof",
+    "search",
     "sensed",
     "slides",
     "torque_table",
+    "trace",
 )
-PLAIN = ("attractors", "bounces", "certificate", "extremes", "rest")
+PLAIN = ("attractors", "bounces", "budget", "certificate", "ensemble", "extremes", "rest")
 # Without those that run every pair of parts, and every preset.
 SPEC_TESTS = (
     *(
@@ -173,7 +176,7 @@ FOLDERS: dict[str, tuple[str, ...]] = {
     "engine/sets/": (SETS, PROOF),
     "engine/orbit/": ("tests/engine/orbit/", "tests/measure/"),
     "engine/unsampled/": (
-        "tests/engine/test_state_machine.py",
+        *(f"tests/engine/test_{name}.py" for name in ("settling", "state_machine")),
         *(f"tests/measure/test_unsampled{end}.py" for end in ("", "_course")),
     ),
     "engine/pulse": ("tests/identify/",),
