@@ -179,7 +179,12 @@ def test_the_interpreter_follows_no_longer_than_its_patience(monkeypatch: pytest
 def test_time_that_is_over_is_told_and_patience_hands_over() -> None:
     """Patience is the interpreter's alone, and a limit of the cell that is shorter comes first."""
     hurried = Patience(seconds=2.0)
-    for seconds, patience, fast in ((None, USUAL, False), (1.0, hurried, False), (None, hurried, True), (3.0, hurried, True)):
+    for seconds, patience, fast in (
+        (None, USUAL, False),
+        (1.0, hurried, False),
+        (None, hurried, True),
+        (3.0, hurried, True),
+    ):
         left = unfinished(3, seconds, patience, compiled=fast)
         assert (left.outcome, left.reason, left.trials) == (Outcome.UNDECIDED, Reason.TIME_LIMIT, 3)
     for seconds in (None, 3.0):
@@ -187,7 +192,9 @@ def test_time_that_is_over_is_told_and_patience_hands_over() -> None:
             unfinished(3, seconds, hurried, compiled=False)
 
 
-@pytest.mark.parametrize(("x", "edge"), [(-1.25, 0.25), (-0.75, 0.25), (-1.75, 0.25), (2.125, 0.125), (-0.5, 0.5), (1.875, 0.125)])
+@pytest.mark.parametrize(
+    ("x", "edge"), [(-1.25, 0.25), (-0.75, 0.25), (-1.75, 0.25), (2.125, 0.125), (-0.5, 0.5), (1.875, 0.125)]
+)
 def test_a_rest_is_as_far_from_an_edge_as_from_the_next_whole_number(x: float, edge: float) -> None:
     row = [float(REST_PROVEN), 1.0, x, 0.0, 9.0, 9.0, 0.0, 0.0, 3.0]
     assert attractor_of(row, [], Reason.NO_REPEAT).edge == edge

@@ -17,7 +17,9 @@ def test_lanes_fall_and_are_turned(split: float) -> None:
     x, v, line = [10.0, 0.5, -0.5], [0.0, 0.0, 0.0], [3.0, -1.0, 0.0] * (1 if split else 0)
     head = advance(x, v, line, 0, 1 if split else 0, 1, loop)
     assert head == 0
-    accelerations = ((-GAMMA, -GAMMA), (BELOW, -GAMMA), (-GAMMA, BELOW)) if split else ((-GAMMA,) * 2,) * 2 + ((BELOW,) * 2,)
+    accelerations = (
+        ((-GAMMA, -GAMMA), (BELOW, -GAMMA), (-GAMMA, BELOW)) if split else ((-GAMMA,) * 2,) * 2 + ((BELOW,) * 2,)
+    )
     for j, (older, newer) in enumerate(accelerations):
         speed = older * split
         place = (10.0, 0.5, -0.5)[j] + 0.5 * older * split * split

@@ -99,7 +99,8 @@ def test_friction_stops_a_knob_off_its_rest() -> None:
 
 
 @pytest.mark.parametrize(
-    ("alpha", "beta", "decay", "t"), [(0.01, 1e-4, 0.3, 0.7), (3.0, 0.2, 2.0, 1.0), (0.1, 2.0, 0.5, 4.0), (0.0, 0.0, 1.0, 1.0)]
+    ("alpha", "beta", "decay", "t"),
+    [(0.01, 1e-4, 0.3, 0.7), (3.0, 0.2, 2.0, 1.0), (0.1, 2.0, 0.5, 4.0), (0.0, 0.0, 1.0, 1.0)],
 )
 def test_the_answer_to_a_torque_that_decays_is_the_matrix_exponentials(
     alpha: float, beta: float, decay: float, t: float

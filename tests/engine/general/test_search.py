@@ -85,7 +85,7 @@ def test_the_interpreter_follows_no_longer_than_its_patience() -> None:
 
 def test_slices_grow_by_four_while_they_are_quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """And shrink to a tenth of a second where trials take long; each trial runs once."""
-    for seconds, wanted in ((1e-3, [8, 32, 128, 512, 320]), (0.4, [8, 2, 1])):
+    for seconds, wanted in ((2.0**-10, [8, 32, 128, 512, 320]), (0.25, [8, 3, 1])):
         clock = iter(range(10**6, 2 * 10**6))
         monkeypatch.setattr(module, "perf_counter", lambda clock=clock, seconds=seconds: seconds * next(clock))
         trials = Trials()
