@@ -285,7 +285,7 @@ def why_unrepeated(rate: float, budget: int, *, held: bool) -> Reason:
 
 def attractor_of(row: Any, line: Any, unrepeated: Reason) -> Attractor:
     """Attractor from a row of the kernel's table; ``unrepeated``: the reason for one whose levels never repeated."""
-    fate, n, x, v, margin, edge, closure, bound, trials = (float(value) for value in row)
+    fate, n, x, v, margin, edge, closure, bound, trials, _ = (float(value) for value in row)
     outcome, reason = FATES[int(fate)]
     if reason is Reason.NO_REPEAT:
         reason = unrepeated

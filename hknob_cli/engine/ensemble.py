@@ -12,8 +12,8 @@ from hknob_cli.engine.loop import copy_line, drive_of, interval, level_of, push
 from hknob_cli.engine.propagator import hold_coefficients
 
 # Numbers of an orbit, in a row of the table.
-FATE, PERIOD, X, V, MARGIN, EDGE, CLOSURE, BOUND, TRIALS = range(9)
-ROW = 9
+FATE, PERIOD, X, V, MARGIN, EDGE, CLOSURE, BOUND, TRIALS, SAMPLES = range(10)
+ROW = 10
 
 
 class TrialRoom(NamedTuple):
@@ -188,8 +188,9 @@ def ensemble(at, phases, start, stop, budget, rows, room, loop):
                 table[base + X], table[base + V] = ox, ov
                 table[base + MARGIN], table[base + EDGE] = margin, edge
                 table[base + CLOSURE], table[base + BOUND] = closure, bound
-                table[base + TRIALS] = 0.0
+                table[base + TRIALS], table[base + SAMPLES] = 0.0, 0.0
                 for k in range(delay):
                     room.lines[row * delay + k] = ring[(at + k) % delay]
             table[base + TRIALS] += 1.0
+            table[base + SAMPLES] += used + budget.skip
     return rows, overflow, samples, (ax, av)

@@ -15,6 +15,7 @@ from hknob_cli.engine.attractors import (
     unfinished,
 )
 from hknob_cli.engine.budget import sample_limit, settling_samples
+from hknob_cli.engine.ensemble import ROW, SAMPLES
 from hknob_cli.engine.follow import REST_PROVEN
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome, Reason
@@ -153,6 +154,22 @@ def test_every_sample_of_a_limited_trial_is_counted() -> None:
         assert found.samples == 800 * phases
 
 
+def test_the_samples_of_all_trials_are_those_of_each_end() -> None:
+    engine, one, kept = Engine(), knob(bias={"half_quantum": True}), []
+    run = engine._ensemble
+
+    def kernel(*given):  # type: ignore[no-untyped-def]
+        kept.append(given[-2].table)
+        return run(*given)
+
+    engine._ensemble = kernel
+    found = search(engine, one, phases=12)
+    assert len(found.attractors) > 1
+    (table,) = kept
+    assert sum(table[ROW * row + SAMPLES] for row in range(len(found.attractors))) == found.samples
+    assert found.samples > 12 * settling_samples(slowest_rate(one.loop.alpha, one.loop.beta), 10**6)
+
+
 class Heard(Exception):
     """The kernel has been called."""
 
@@ -196,7 +213,7 @@ def test_time_that_is_over_is_told_and_patience_hands_over() -> None:
     ("x", "edge"), [(-1.25, 0.25), (-0.75, 0.25), (-1.75, 0.25), (2.125, 0.125), (-0.5, 0.5), (1.875, 0.125)]
 )
 def test_a_rest_is_as_far_from_an_edge_as_from_the_next_whole_number(x: float, edge: float) -> None:
-    row = [float(REST_PROVEN), 1.0, x, 0.0, 9.0, 9.0, 0.0, 0.0, 3.0]
+    row = [float(REST_PROVEN), 1.0, x, 0.0, 9.0, 9.0, 0.0, 0.0, 3.0, 0.0]
     assert attractor_of(row, [], Reason.NO_REPEAT).edge == edge
 
 

@@ -116,13 +116,13 @@ def put_in_place(mutant: Mutant) -> None:
         for one in ours():
             if getattr(one, mutant.name, None) is old:
                 setattr(one, mutant.name, new)
-    forget(compiled=module.__name__.startswith(COMPILED))
+    forget()
 
 
-def forget(*, compiled: bool = False) -> None:
-    """Forget what functions remember of earlier calls; ``compiled``: the compiled code, too."""
+def forget() -> None:
+    """Forget what functions remember of earlier calls; compiled code, and the kinds that it is of, stay."""
     for one in ours():
-        if one.__name__ == "hknob_cli.engine.jit" and not compiled:
+        if one.__name__ in ("hknob_cli.engine.jit", "hknob_cli.engine.linking"):
             continue
         for value in list(vars(one).values()):
             if hasattr(value, "cache_clear") and callable(value):

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from hknob_cli.engine import jit
+from hknob_cli.engine import jit, linking
 from tests.conftest import ROOT
 from tests.mutation.accepted import KINDS
-from tests.mutation.campaign import nothing_compiled
+from tests.mutation.campaign import forget, nothing_compiled
 from tests.mutation.mutate import mutants
 from tests.mutation.table import WATCHED, path_of, watchers_of
 
@@ -119,6 +119,13 @@ def test_changed_code_is_not_compiled_and_so_not_kept() -> None:
                     jit.compiled(group)
     finally:
         jit.compiled.cache_clear()
+
+
+def test_compiled_code_is_of_one_kind_whatever_is_forgotten() -> None:
+    """Parts of another kind are not linked into an entry: it would call what is not there."""
+    before = linking.kinds()
+    forget()
+    assert linking.kinds() is before
 
 
 @pytest.mark.long
