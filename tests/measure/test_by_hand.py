@@ -1,4 +1,4 @@
-"""Parts of the measures by hand: sizes evened out, what teeth lose, harmonics that are too many, swings behind a gear."""
+"""Parts of the measures by hand: sizes evened out, what teeth lose, too many harmonics, swings behind a gear."""
 
 from typing import Any, NamedTuple
 
