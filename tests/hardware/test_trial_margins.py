@@ -11,32 +11,38 @@ import pytest
 from hknob_cli.errors import DeviceError, UsageError
 from hknob_cli.hardware import order, pulse_person
 from hknob_cli.hardware.archive import Archive
-from hknob_cli.hardware.campaign import Campaign
+from hknob_cli.hardware.campaign import GO_ON, IN_VAIN, UNSAFE, Campaign
 from hknob_cli.hardware.control import ControlledWall, looks_of
 from hknob_cli.hardware.converters import NONE, ROUNDINGS, Conversion
+from hknob_cli.hardware.grip_trigger import pulse_of
 from hknob_cli.hardware.knob_motion import PATIENCE, KnobMotion
 from hknob_cli.hardware.nuisances import Nuisances
 from hknob_cli.hardware.order import key_of, settings_of, trials_of
-from hknob_cli.hardware.person import Person
-from hknob_cli.hardware.port import Drift, PulseOrder, Sine, Squeeze
+from hknob_cli.hardware.over_angle import ShapedWall, over_angle_of
+from hknob_cli.hardware.person import PRINTED_TARGET_N, Person, _grip, _push, hold, printed_grips, wander_sines
+from hknob_cli.hardware.port import Drift, OverAngle, PulseOrder, Sine, Squeeze, Torque
 from hknob_cli.hardware.pulse_loop import PulsedKnob, PulseLoop
 from hknob_cli.hardware.pulse_person import grip_of, squeezer
 from hknob_cli.hardware.pulse_phases import PulsePhases
 from hknob_cli.hardware.pulse_tables import _doubts, _pulse
+from hknob_cli.hardware.ranges import faults_of_settings
 from hknob_cli.hardware.sources import ABOUT, RECORDING, source_digests
 from hknob_cli.hardware.tables import _torque_hz, campaign_tables
-from hknob_cli.hardware.trial_file import Recorded, Samples, _more, read_trial, write_trial
+from hknob_cli.hardware.trial_file import Recorded, Samples, _more, joined, read_trial, write_trial
 from hknob_cli.hardware.trial_phases import Ended
 from hknob_cli.hardware.trial_run import Nobody, Outcome, Task, run_trial
-from hknob_cli.hardware.trial_wall import TrialWall
-from hknob_cli.hardware.virtual import VirtualDevice, VirtualLoop
+from hknob_cli.hardware.trial_wall import PlainWall, TrialWall
+from hknob_cli.hardware.virtual import IDENTITY, VirtualDevice, VirtualLoop
 from hknob_cli.results.campaign_files import TRIED
+from hknob_cli.specs.campaign import Course, Effects, Knob
+from hknob_cli.specs.plan import EndStops
 from tests.hardware import campaigns, pulses
 from tests.hardware.controllers import told
 from tests.hardware.fake_target import made_up
 from tests.hardware.trials import HAND, settings
 
 MS = 1e-3
+KNOB = Knob(1.9e-6)
 RUBS = HAND._replace(stiffness=0.0, damping=1e-4, coulomb_nm=1e-3, inertia=2e-6, angle_rad=0.0, push_nm=0.0)
 PLAIN = Squeeze(
     aim_n=2.0,
@@ -364,8 +370,17 @@ def test_a_table_that_is_not_of_samples_is_no_trial(tmp_path: Path) -> None:
         one = campaign._run(device, campaign.trials[0])
     assert campaign.recorded == 1
     assert one.started_sample is None
-    assert {one.name for one in TRIED}.isdisjoint(campaign_tables([one], plan)[1].column_names)
-    for table, fine in ((one.table, True), (one.table.drop_columns(["grip_n"]), False), (one.table.slice(0, 0), False)):
+    rows = campaign_tables([one], plan)[1]
+    assert {one.name for one in TRIED}.isdisjoint(rows.column_names)
+    assert rows["grip_zero_n"].to_pylist() == [one.zero_n]
+    torques = one.table["torque_nm"].to_pylist()
+    spoilt = one.table.set_column(one.table.column_names.index("torque_nm"), "torque_nm", [[math.nan, *torques[1:]]])
+    for table, fine in (
+        (one.table, True),
+        (one.table.drop_columns(["grip_n"]), False),
+        (one.table.slice(0, 0), False),
+        (spoilt, False),
+    ):
         path = tmp_path / "trial.parquet"
         write_trial(path, one._replace(table=table), b"{}")
         assert (read_trial(path) is not None) is fine
@@ -432,3 +447,231 @@ def test_more_readings_than_a_block_has_room_for_leave_its_size_alone() -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(order, "most_samples", lambda _looks: 0)
         assert settings_of(plan, trial).block_samples >= fine
+
+
+# A sample of changes that nothing else has found.
+
+
+def test_an_unfinished_trial_is_set_aside_with_what_was_recorded(tmp_path: Path) -> None:
+    plan = campaigns.planned()
+    archive, trial = Archive(tmp_path, identity="one", is_source=True, stamp=b"{}"), trials_of(plan)[0]
+    archive.enter()
+    journal = archive.begin(trial, {"key": list(key_of(plan, trial)), "device": "it", "native_counts": 1000})
+    journal.keep(made_up(0, 4, 1000.0, started=1))
+    journal.close()
+    path = archive.set_aside(trial)
+    assert path is not None
+    one = read_trial(path)
+    assert one is not None
+    assert (one.ended, one.gaps, one.table.num_rows) == ("aborted", 0, 4)
+
+
+@pytest.mark.parametrize(
+    ("torque", "driver", "said"),
+    [(Torque.ON, "serial", UNSAFE), (Torque.OFF, "serial", GO_ON), (Torque.OFF, "virtual", IN_VAIN)],
+)
+def test_a_fault_says_what_to_do_then(torque: Torque, driver: str, said: str) -> None:
+    class Shelf:
+        def set_aside(self, _trial: Any) -> None:
+            return None
+
+    device = {"virtual": "", "serial": "device: {driver: serial, url: somewhere}\n"}[driver]
+    text = (
+        campaigns.SPEC.replace("person: {wandering_push: false, grip_wander: false}\n", "")
+        if device
+        else campaigns.SPEC
+    )
+    plan, shelf, nobody = campaigns.planned(text + device), Shelf(), None
+    campaign = Campaign(plan, shelf, nobody, nobody)  # type: ignore[arg-type]
+    journal: Any = Shelf()
+    journal.close = lambda: None
+    with pytest.raises(DeviceError) as found:
+        campaign._broken_off(journal, campaign.trials[0], DeviceError("broke"), torque)
+    assert str(found.value).endswith(f"nothing was recorded of it; {said}")
+
+
+def test_a_pulse_is_a_sample_at_least_and_half_a_second_at_most() -> None:
+    assert pulse_of(ORDER._replace(width_s=1e-5), MS).width == 1
+    for width, fine in ((0.5, True), (0.502, False)):
+        told_so = settings(pulse=ORDER._replace(width_s=width))
+        wrong = [one for one in faults_of_settings(told_so, IDENTITY) if "must last at most 0.5 s" in one]
+        assert (not wrong) is fine
+
+
+def test_a_pulses_recording_is_told_apart_by_its_grip() -> None:
+    plan = pulses.planned()
+    assert [key_of(plan, one).grip_target_n for one in trials_of(plan)] == [0.71, 0.71, 4.3, 4.3]
+    plain = campaigns.planned()
+    assert isinstance(plain.course, Course)
+    assert {key_of(plain, one).grip_target_n for one in trials_of(plain)} == {plain.course.grip_target_n}
+
+
+def test_a_block_is_of_one_sample_at_least() -> None:
+    slow = trials_of(campaigns.planned())[0]._replace(sample_rate_hz=1.0)
+    assert settings_of(campaigns.planned(), slow).block_samples == 1
+    plan = pulses.planned()
+    slow = trials_of(plan)[0]
+    assert settings_of(plan, slow).block_samples > 1
+    assert settings_of(plan, slow._replace(sample_rate_hz=1.0)).block_samples == 1
+
+
+def test_the_size_of_a_torque_over_the_angle_has_no_sign() -> None:
+    over = OverAngle(-2, 4, 0.0, 0.0, (-0.25, -0.5, 0.75, 0.125))
+    wall = ShapedWall(settings(wall_damping=0.0), over)
+    for count, torque in ((-2, -0.25), (-1, -0.5), (0, 0.75), (1, 0.125)):
+        assert wall.sized(count, count) == ([torque], abs(torque))
+
+
+def test_the_size_of_a_plain_walls_torque_is_at_its_shifted_count() -> None:
+    shifted = settings(counts=1000, wall_damping=1e-5, converters=NONE._replace(offset_counts=0.25))
+    quantum = math.tau / 1000
+    (torque,), size = PlainWall(shifted).sized(-3, -1)
+    spring, brake = 0.27 * 2.75 * quantum, 1e-5 * 2.0 * quantum / MS
+    assert (torque, size) == (pytest.approx(spring + brake), pytest.approx(spring + brake))
+    assert PlainWall(shifted).sized(0, -1) == ([0.0], 0.0)
+
+
+def test_a_grip_wanders_no_more_than_trials_differ() -> None:
+    """Where the wander within a trial says more than was printed of all, the mean is the printed one."""
+    person = Person(grip_wander_share=5.0)
+    grip, sines = _grip(person, np.random.default_rng(1))
+    assert grip == pytest.approx(person.grip_target_n / PRINTED_TARGET_N * printed_grips()[0])
+    assert len(sines) == 4
+
+
+def test_a_push_is_drawn_until_its_weakest_moment_is_above_friction() -> None:
+    """Without wander its weakest moment is itself; with wander of 0.1 and tremor of 0.03 it is 0.74 of it."""
+
+    class Chances:
+        def __init__(self) -> None:
+            self.left = [0.0, 0.5, 1.0, 1.5, 2.0, 2.5]
+
+        def uniform(self, _low: float, _high: float) -> float:
+            return 1.0
+
+        def standard_normal(self) -> float:
+            return self.left.pop(0)
+
+    person, chances = Person(), Chances()
+    rng: Any = chances
+    # The first is 0.98 of the mean, and 0.73e-3 at its weakest; the fourth of exp(0.297 - 0.0196) = 1.319.
+    push, _ = _push(person, 0.73e-3, rng)
+    spread = math.sqrt(math.log1p(0.2**2))
+    weakest = 1.0 - 2.0 * (0.1 + 0.03)
+    wanted = [1e-3 * math.exp(spread * z - 0.5 * spread * spread) for z in (0.0, 0.5, 1.0, 1.5, 2.0, 2.5)]
+    assert push == pytest.approx(next(one for one in wanted if one * weakest > 0.73e-3))
+    assert wanted[0] * weakest < 0.73e-3 < 1e-3 * weakest
+
+
+def test_what_has_no_size_does_not_wander() -> None:
+    rng = np.random.default_rng(1)
+    assert wander_sines(rng, 0.0, 0.1, 0.1) == ()
+    assert wander_sines(rng, 1.0, 0.0, 0.0) == ()
+    found = wander_sines(rng, 2.0, 0.0, 0.25)
+    assert [one.amplitude for one in found] == [0.5, 0.5]
+
+
+def test_a_grip_that_is_held_wanders_by_its_share() -> None:
+    plan = pulses.planned()
+    found = squeezer(plan, trials_of(plan)[0])
+    assert found.squeeze
+    assert [one.amplitude for one in found.squeeze.sines] == [plan.pulses.person.wander] * 2
+    assert plan.pulses.person.wander > 0.0
+
+
+def test_a_pulse_is_cut_at_the_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    loop = pulse_loop()
+    loop.block(running=True)
+    for asked, given in ((0.04, 0.04), (1.0, 0.05), (-1.0, -0.05)):
+        monkeypatch.setattr(loop._trigger, "step", lambda *_, asked=asked, **__: asked)
+        assert loop._commanded(loop._index, 0, 0, running=True).torque_nm == given
+
+
+def test_friction_is_against_the_speed_and_not_the_torque() -> None:
+    one = held()
+    one.move(3e-3, 0.0)
+    for told_nm in (3e-3, -3e-3, 0.0):
+        assert one.sensed(told_nm, sees_friction=True)[0] == pytest.approx(told_nm - 1e-3)
+
+
+def test_a_pulses_torque_may_differ_by_a_millionth() -> None:
+    share = 1e-6 * ORDER.torque_nm
+    for off, fine in ((share, True), (1.5 * share, False)):
+        one, block = phases(), made_up(0, 4, 1000.0, started=None)
+        given = block._replace(torque_nm=np.full(4, off))
+        if fine:
+            one.follow(given)
+        else:
+            with pytest.raises(DeviceError, match="not that of the pulse"):
+                one.follow(given)
+
+
+def test_a_grip_is_what_is_above_the_cells_zero() -> None:
+    one = phases()
+    block = made_up(0, 4, 1000.0, started=None)._replace(torque_nm=np.zeros(4), grip_n=np.full(4, 0.25))
+    one.follow(block)
+    one.follow(block._replace(first=4, running=np.full(4, True), grip_n=np.full(4, 0.625)))
+    assert one.grip_n == 0.375
+
+
+def test_late_samples_are_counted_on() -> None:
+    block = made_up(0, 2, 1000.0, started=None)
+    assert joined([block._replace(overruns=1), block._replace(first=2, overruns=3)]).overruns == 3
+    assert joined([]).overruns == 0
+
+
+def test_each_part_of_an_interval_has_its_torque() -> None:
+    wall = TrialWall(told("long impulse"), 1000)
+    wall.torques(-3, -3)
+    sent = wall.torques(-5, -3)
+    assert len(sent.later) == 1
+    assert sent.torque_nm > sent.later[0] > 0.0
+
+
+def test_before_it_has_read_anything_a_reading_is_0() -> None:
+    loop = VirtualLoop(told("impulse that reads"), HAND, Nuisances(), 100_000)
+    looks = loop.block(running=False).looks
+    assert looks is not None
+    assert not looks.any()
+    assert VirtualLoop(settings(), HAND, Nuisances(), 100_000).block(running=True).looks is None
+
+
+def test_noise_of_angle_and_grip_is_added(monkeypatch: pytest.MonkeyPatch) -> None:
+    """2.5 counts, and 0.125 N."""
+    plain, noisy = (VirtualLoop(settings(), HAND, Nuisances(), 1000) for _ in range(2))
+    monkeypatch.setattr(noisy._disturbances, "angle_rad", lambda count: np.full(count, 2.5 * math.tau / 1000))
+    monkeypatch.setattr(noisy._disturbances, "grip_n", lambda count: np.full(count, 0.125))
+    at = plain._motion.angle_counts
+    one, other = plain.block(running=False), noisy.block(running=False)
+    assert one.angle_counts.tolist() == [math.floor(at)] * 40
+    assert other.angle_counts.tolist() == [math.floor(at + 2.5)] * 40
+    assert other.grip_n - one.grip_n == pytest.approx(0.125)
+
+
+def test_a_brake_acts_from_the_first_count_inside() -> None:
+    over = OverAngle(-2, 4, 0.0, 0.0, (-0.25, -0.5, 0.75, 0.125))
+    wall = ShapedWall(settings(counts=1000, wall_damping=1e-5), over)
+    brake = 1e-5 * (math.tau / 1000) / MS
+    assert wall.torques(-1, -2) == [pytest.approx(-0.5 - brake)]
+    assert wall.sized(-1, -2)[1] == pytest.approx(0.5 + brake)
+    assert wall.torques(0, -1) == [0.75]
+
+
+def test_a_torque_over_the_angle_is_that_of_shifted_counts() -> None:
+    """A spring that is stepped up at 0, of 2 N m a rad: at the angle that the encoder shows, a quarter of a count up."""
+    quantum = math.tau / 1000
+    for converters, shift in ((None, 0.0), (NONE._replace(offset_counts=0.25), 0.25)):
+        found = over_angle_of(Effects(end_stops=EndStops(2.0, low=-0.5)), settings(counts=1000, converters=converters))
+        wall = ShapedWall(settings(counts=1000, wall_damping=0.0), found)
+        deep = -0.5 - (-100.0 + shift) * quantum
+        plain = -0.27 * (-100.0 + shift) * quantum
+        assert wall.torques(-100, -100)[0] == pytest.approx(2.0 * deep + plain, rel=1e-9)
+
+
+def test_somebody_may_push_or_grip_by_nothing_at_all() -> None:
+    """But not by less."""
+    limp = Person(push_nm=0.0, wandering_push=False, grip_wander=False)
+    assert hold(limp, KNOB, seed=1, place=(1,)).push_nm == 0.0
+    for wrong in (limp._replace(push_nm=-1e-9), limp._replace(grip_target_n=-1e-9), limp._replace(push_nm=math.inf)):
+        with pytest.raises(UsageError, match="must be >= 0"):
+            hold(wrong, KNOB, seed=1, place=(1,))

@@ -15,10 +15,12 @@ from hknob_cli.hardware.journal import Journal
 from hknob_cli.hardware.person import _sinc
 from hknob_cli.hardware.port import Sine, Torque
 from hknob_cli.hardware.ranges import LONGEST_BLOCK_S, faults, faults_of_simulated
-from hknob_cli.hardware.wire.answers import Ack
+from hknob_cli.hardware.virtual import IDENTITY
+from hknob_cli.hardware.wire.answers import Abilities, About, Ack, Event
+from hknob_cli.hardware.wire.block_order import BlockOrder
 from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
 from hknob_cli.hardware.wire.commands import MOST_SINES, Alive, Plain, Simulate, pack_simulated, unpack_simulated
-from hknob_cli.hardware.wire.frame import Decoder, frame, unread_of
+from hknob_cli.hardware.wire.frame import Decoder, frame, is_message, unread_of
 from hknob_cli.hardware.wire.messages import decode, encode
 from hknob_cli.hardware.wire.pump import Pump
 from hknob_cli.hardware.wire.sending import differences, shows_torque
@@ -295,3 +297,56 @@ def test_the_line_is_listened_to_for_two_of_the_longest_blocks(monkeypatch: pyte
     one.release()
     assert clock.waited == pytest.approx([2.0 * LONGEST_BLOCK_S])
     assert one.torque is Torque.OFF
+
+
+def test_a_sine_that_differs_is_told_by_its_place_and_name() -> None:
+    louder = SIMULATED._replace(push_sines=(Sine(0.5, 1.0, 2.0),))
+    other = SIMULATED._replace(push_sines=(Sine(0.25, 1.0, 2.0),))
+    assert differences(louder, other) == ["push_sines[0].amplitude sent 0.5, taken 0.25"]
+
+
+def test_a_frame_that_does_not_decode_is_no_message() -> None:
+    whole = frame(encode(Ack(7, Kind.HELLO, Status.DONE, State.IDLE, Trip.NONE, 1, 0)))[:-1]
+    assert is_message(whole)
+    assert not is_message(b"\xff\x01")
+    assert not is_message(frame(encode(Plain(Kind.HELLO, 7)))[:-1])
+
+
+def test_a_target_that_knows_no_abilities_is_not_asked(monkeypatch: pytest.MonkeyPatch) -> None:
+    one, asked = serial_device.SerialDevice("somewhere"), [0] * 0
+    answer = Ack(7, Kind.ABILITIES, Status.DONE, State.IDLE, Trip.NONE, 1, 0, Abilities(3, 1))
+
+    def command(_make: Any, _verb: str) -> Ack:
+        asked.append(1)
+        return answer
+
+    monkeypatch.setattr(one, "_command", command)
+    one._identity = IDENTITY._replace(laws=0, knows_converters=False)
+    one._ask_abilities()
+    assert (asked, one.identity.laws) == ([], 0)
+    one._says_abilities = True
+    one._ask_abilities()
+    assert (asked, one.identity.laws, one.identity.knows_converters) == ([1], 3, True)
+
+
+def test_who_is_there_is_asked_until_it_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not by silence, nor by an answer that does not say it."""
+    one = serial_device.SerialDevice("somewhere")
+    about = About(1000, 1000, True, "it")
+    plain = Ack(7, Kind.HELLO, Status.DONE, State.IDLE, Trip.NONE, 5, 0)
+    answers = iter([None, plain, plain._replace(said=about)])
+    monkeypatch.setattr(one, "_ask", lambda *_, **__: next(answers))
+    assert one._greet(None) == (about, 5)  # type: ignore[arg-type]
+
+
+def test_what_was_lost_before_a_trip_is_told_with_what_came_in_its_place() -> None:
+    one = Session(first_nonce=5)
+    order = BlockOrder(boot=1, run=2)
+    order.end(3, now=0.0)
+    event = Event(1, 2, Trip.SPEED, 40, 10_000, 3)
+    said = one._trip_text(event, order)
+    assert said.endswith("; its samples from block 0 on were lost")
+    one.rejected = 2
+    assert one._trip_text(event, order).startswith(f"{said}: ")
+    order.expected = 3
+    assert "lost" not in one._trip_text(event, order)
