@@ -5,7 +5,7 @@ from math import inf
 import pytest
 
 from hknob_cli.engine.general.advance import rub_columns
-from hknob_cli.engine.general.columns import spread_many
+from hknob_cli.engine.general.columns import feed, spread_many
 
 from .bodies import knob
 
@@ -47,9 +47,21 @@ def test_a_command_moves_no_knob_that_friction_holds() -> None:
     """Nor a finger behind it; but one that slides."""
     body = knob(hand=FINGER).body
     n, width = body.order, body.order + 1
-    for mode, moves in ((0, False), (1, True), (-1, True)):
+    loose = body._replace(play=0.25)  # then what is held is the other side
+    for one, mode, moves in ((body, 0, False), (body, 1, True), (body, -1, True), (loose, 0, True)):
         cols, pad = [0.0] * (width * (width + 2)), [0.0] * (2 * n)
         command = width * width
         cols[command] = 1.0
-        spread_many(cols, command, 1, width, 1.0, mode, body, pad)
+        spread_many(cols, command, 1, width, 1.0, mode, one, pad)
         assert any(cols[:n]) is moves
+
+
+def test_a_column_beside_those_of_all_numbers_knows_no_command() -> None:
+    """Of fewer columns than there are numbers, commands have no derivative, whatever the line holds."""
+    wall = knob(encoder="none", counts=None).wall
+    for delay in (0, 1, 2):
+        width = 2 + delay + 1
+        cols = [3.0] * (width * (width + 2))
+        feed(-1.0, -1.0, delay, 0, wall, cols, 1, width)
+        assert (cols[width * width], cols[width * width + width]) == (0.0, 0.0)
+        assert cols[: width * width] == [3.0] * (width * width)
