@@ -3,18 +3,20 @@
 import json
 import math
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from hknob_cli.errors import DeviceError, UsageError
-from hknob_cli.hardware import order, pulse_person
+from hknob_cli.errors import DeviceError, SpecError, UsageError
+from hknob_cli.hardware import drivers, journal, order, pulse_person, ranges, trial_run
 from hknob_cli.hardware.archive import Archive
 from hknob_cli.hardware.campaign import GO_ON, IN_VAIN, UNSAFE, Campaign
 from hknob_cli.hardware.control import ControlledWall, looks_of
 from hknob_cli.hardware.converters import NONE, ROUNDINGS, Conversion
 from hknob_cli.hardware.grip_trigger import pulse_of
+from hknob_cli.hardware.journal import Journal, packed, read_journal
 from hknob_cli.hardware.knob_motion import PATIENCE, KnobMotion
 from hknob_cli.hardware.nuisances import Nuisances
 from hknob_cli.hardware.order import key_of, settings_of, trials_of
@@ -24,16 +26,19 @@ from hknob_cli.hardware.port import Drift, OverAngle, PulseOrder, Sine, Squeeze,
 from hknob_cli.hardware.pulse_loop import PulsedKnob, PulseLoop
 from hknob_cli.hardware.pulse_person import grip_of, squeezer
 from hknob_cli.hardware.pulse_phases import PulsePhases
-from hknob_cli.hardware.pulse_tables import _doubts, _pulse
+from hknob_cli.hardware.pulse_tables import _doubts, _fired_s, _pulse, pulse_tables
 from hknob_cli.hardware.ranges import faults_of_settings
 from hknob_cli.hardware.sources import ABOUT, RECORDING, source_digests
 from hknob_cli.hardware.tables import _torque_hz, campaign_tables
+from hknob_cli.hardware.torque_line import slots_of
 from hknob_cli.hardware.trial_file import Recorded, Samples, _more, joined, read_trial, write_trial
 from hknob_cli.hardware.trial_phases import Ended
 from hknob_cli.hardware.trial_run import Nobody, Outcome, Task, run_trial
-from hknob_cli.hardware.trial_wall import PlainWall, TrialWall
+from hknob_cli.hardware.trial_wall import PlainWall, Sent, TrialWall
 from hknob_cli.hardware.virtual import IDENTITY, VirtualDevice, VirtualLoop
+from hknob_cli.recordings.spectrum import torque_rises_hz
 from hknob_cli.results.campaign_files import TRIED
+from hknob_cli.results.pulse_files import TRUTH
 from hknob_cli.specs.campaign import Course, Effects, Knob
 from hknob_cli.specs.plan import EndStops
 from tests.hardware import campaigns, pulses
@@ -343,12 +348,14 @@ def test_torque_rises_are_of_a_buzz_alone() -> None:
     """Of one that lasts, in its steady part: a rise every fourth sample."""
 
     class Measured:
-        steady = (4, 43)
+        steady = (4, 45)
         sustained = True
 
     column = {"time_s": np.arange(60) * MS, "torque_nm": np.tile([0.0, 1.0, 1.0, 0.0], 15)}
+    column["time_s"][45] += 0.5 * MS
     measured: Any = Measured()
-    assert _torque_hz(column, measured) == pytest.approx(250.0, rel=0.05)
+    assert _torque_hz(column, measured) == torque_rises_hz(column["time_s"][4:46], column["torque_nm"][4:46])
+    assert _torque_hz(column, measured) == pytest.approx(250.0, rel=0.1)
     measured.sustained = False
     assert _torque_hz(column, measured) == 0.0
 
@@ -374,12 +381,15 @@ def test_a_table_that_is_not_of_samples_is_no_trial(tmp_path: Path) -> None:
     assert {one.name for one in TRIED}.isdisjoint(rows.column_names)
     assert rows["grip_zero_n"].to_pylist() == [one.zero_n]
     torques = one.table["torque_nm"].to_pylist()
+    times = one.table["time_s"].to_pylist()
+    still = one.table.set_column(one.table.column_names.index("time_s"), "time_s", [[times[1], *times[1:]]])
     spoilt = one.table.set_column(one.table.column_names.index("torque_nm"), "torque_nm", [[math.nan, *torques[1:]]])
     for table, fine in (
         (one.table, True),
         (one.table.drop_columns(["grip_n"]), False),
         (one.table.slice(0, 0), False),
         (spoilt, False),
+        (still, False),
     ):
         path = tmp_path / "trial.parquet"
         write_trial(path, one._replace(table=table), b"{}")
@@ -658,7 +668,7 @@ def test_a_brake_acts_from_the_first_count_inside() -> None:
 
 
 def test_a_torque_over_the_angle_is_that_of_shifted_counts() -> None:
-    """A spring that is stepped up at 0, of 2 N m a rad: at the angle that the encoder shows, a quarter of a count up."""
+    """A stop of 2 N m a rad, and the wall: at the angle that the encoder shows, a quarter of a count up."""
     quantum = math.tau / 1000
     for converters, shift in ((None, 0.0), (NONE._replace(offset_counts=0.25), 0.25)):
         found = over_angle_of(Effects(end_stops=EndStops(2.0, low=-0.5)), settings(counts=1000, converters=converters))
@@ -675,3 +685,118 @@ def test_somebody_may_push_or_grip_by_nothing_at_all() -> None:
     for wrong in (limp._replace(push_nm=-1e-9), limp._replace(grip_target_n=-1e-9), limp._replace(push_nm=math.inf)):
         with pytest.raises(UsageError, match="must be >= 0"):
             hold(wrong, KNOB, seed=1, place=(1,))
+
+
+def test_nobody_is_asked_to_hold_a_knob_as_nobody_can(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A computed knob, or that of a target that is one; who holds a real one is not for the program to say."""
+
+    def who_of(_plan: Any) -> Any:
+        def who(_trial: Any) -> Any:
+            raise UsageError("no such hand")
+
+        return who
+
+    monkeypatch.setattr(drivers, "who_of", who_of)
+    plan = campaigns.planned()
+    for driver, target, asked in (("virtual", None, True), ("serial", "host", True), ("serial", None, False)):
+        given = plan._replace(device=plan.device._replace(driver=driver, target=target))
+        if asked:
+            with pytest.raises(SpecError, match="no such hand"):
+                drivers.check_persons(given)
+        else:
+            drivers.check_persons(given)
+
+
+def test_a_record_may_be_as_long_as_the_longest(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "one"
+    written = Journal(path, {"about": 1})
+    written.keep(made_up(0, 4, 1000.0, started=None))
+    written.close()
+    longest = len(packed(made_up(0, 4, 1000.0, started=None)))
+    for more, whole in ((0, True), (-1, False)):
+        monkeypatch.setattr(journal, "_LONGEST", longest + more)
+        found = read_journal(path)
+        assert found is not None
+        assert (len(found.blocks) == 1, found.whole) == (whole, whole)
+
+
+def test_a_pulse_may_come_at_the_very_start() -> None:
+    one = recorded([0.0, 0.01])
+    rate = one.trial.sample_rate_hz
+    for settled, started, samples in ((0, 0, 0), (12, 2, 10), (12, None, 12)):
+        found = _fired_s(one._replace(settled_sample=settled, started_sample=started))
+        assert found == pytest.approx(samples / rate)
+
+
+def test_of_a_real_hand_nothing_is_known_but_what_was_measured() -> None:
+    import pyarrow as pa
+
+    one, plan = recorded([0.0, 0.0, 0.01, 0.01]), pulses.planned()
+    one = one._replace(table=one.table.append_column("device_time_us", pa.array([0, 100, 200, 300])))
+    real = plan._replace(device=plan.device._replace(driver="serial", target=None))
+    names = {column.name for column in TRUTH}
+    assert names <= set(pulse_tables([one], plan)[1].column_names)
+    assert names.isdisjoint(pulse_tables([one], real)[1].column_names)
+
+
+def test_faults_of_settings_are_said_before_those_of_a_block(monkeypatch: pytest.MonkeyPatch) -> None:
+    nobody: Any = None
+    long = settings(rate=500)
+    looking = told("long impulse that reads most often")
+    monkeypatch.setattr(ranges, "MOST_LOOKS", 2)
+    for said in ([], ["the rate"]):
+        monkeypatch.setattr(ranges, "faults_of_settings", lambda *_, said=said: list(said))
+        for one, what in ((long, "must take at most"), (looking, "reads its encoder at most")):
+            found = ranges.faults(one, nobody)
+            assert len(found) == 1
+            assert (what in found[0]) is (said == [])
+
+
+def test_a_pulse_of_no_torque_is_none() -> None:
+    for torque, fine in ((0.0, False), (1e-9, True), (0.05, True), (0.0500001, False)):
+        given = settings(pulse=ORDER._replace(torque_nm=torque))
+        wrong = [one for one in faults_of_settings(given, IDENTITY) if "must be above 0" in one]
+        assert (not wrong) is fine
+
+
+def test_a_delay_moves_the_parts_of_an_interval() -> None:
+    """Up to 0.75 and from there, half a sample late: what would begin at 1.25 is of the next interval."""
+    assert slots_of((0.0, 0.75), 0.5) == [(0.0, 1, 0), (0.25, 1, 1), (0.5, 0, 0)]
+    assert slots_of((0.0, 0.75), 2.0) == [(0.0, 2, 0), (0.75, 2, 1)]
+
+
+def test_every_phase_of_a_trial_has_its_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is left after the stop is there to be read: no time of the trial is for that."""
+    bounds: list[tuple[float, str]] = []
+    bound = trial_run.Bound
+
+    def noted(seconds: float, what: str, device: Any, *, live: bool) -> Any:
+        bounds.append((seconds, what))
+        return bound(seconds, what, device, live=live)
+
+    monkeypatch.setattr(trial_run, "Bound", noted)
+    plan = campaigns.planned()
+    trial = trials_of(plan)[0]
+    task = Task(trial, 1, settings_of(plan, trial), HAND, plan.course, live=False)
+    with VirtualDevice() as device:
+        run_trial(device, task, lambda _block: None, Nobody())
+    assert [seconds for seconds, _ in bounds] == [plan.course.zero, plan.course.longest, 0.0]
+
+
+def test_an_angle_beyond_all_counts_is_not_read() -> None:
+    loop = VirtualLoop(told("impulse that reads"), HAND, Nuisances(), 100_000)
+    loop._looked[0] = 7
+    loop._motion = SimpleNamespace(angle_counts=0.0)  # type: ignore[assignment]
+    for at, read in ((2.0**31, 7), (2.0**31 - 0.5, 2**31 - 1), (-(2.0**31), -(2**31)), (-(2.0**31) - 0.5, -(2**31))):
+        loop._noise = at
+        loop._look(0)
+        assert loop._looked[0] == read
+
+
+def test_a_fault_is_told_with_its_sample(monkeypatch: pytest.MonkeyPatch) -> None:
+    loop = VirtualLoop(settings(), HAND, Nuisances(), 1000)
+    loop.block(running=False)
+    torques = iter([Sent(0.0)] * 3 + [Sent(math.nan)])
+    monkeypatch.setattr(loop._wall, "torques", lambda *_: next(torques))
+    assert len(loop.block(running=True).time_us) == 4
+    assert loop.fault == "the torque is not a number, at sample 43"

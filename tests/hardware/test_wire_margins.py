@@ -350,3 +350,25 @@ def test_what_was_lost_before_a_trip_is_told_with_what_came_in_its_place() -> No
     assert one._trip_text(event, order).startswith(f"{said}: ")
     order.expected = 3
     assert "lost" not in one._trip_text(event, order)
+
+
+def test_a_release_may_be_answered_by_a_target_that_has_restarted() -> None:
+    """Its torque is off: nothing has failed. Any other command has."""
+    for kind, fails in ((Kind.RELEASE, False), (Kind.START, True)):
+        one = Session(first_nonce=5)
+        one.boot = 1
+        nonce = one.command(lambda nonce, kind=kind: Plain(kind, nonce))
+        one.feed(frame(encode(Ack(nonce, kind, Status.DONE, State.IDLE, Trip.NONE, 2, 0))), now=1.0)
+        assert (one.failure is not None) is fails
+
+
+def test_release_is_insisted_on_where_the_torque_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+    nobody: Any = object()
+    for why, insists in (("", 0), ("it is on", 1)):
+        one, insisted = serial_device.SerialDevice("somewhere"), [0] * 0
+        one._pump = nobody
+        monkeypatch.setattr(one, "_release", lambda _pump, why=why: why)
+        monkeypatch.setattr(one, "_insist", insisted.append)
+        monkeypatch.setattr(one, "_close", lambda: None)
+        one.__exit__(None, None, None)
+        assert len(insisted) == insists
