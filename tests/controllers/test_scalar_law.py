@@ -115,3 +115,17 @@ def test_a_torque_that_ends_with_an_interval_leaves_no_piece_behind() -> None:
     one = made({"kind": "impulse_damping", "pulse": 0.1}, actuator={"delay_samples": 1.9})
     # The older rest goes on to 0.9, and there the next pulse begins; it fills the interval.
     assert [(pytest.approx(span), torque) for span, torque, _ in pieces_of(one)] == [(0.9, 1), (0.1, 2)]
+
+
+def test_what_fades_weighs_as_the_wall_does() -> None:
+    """In accelerations: of a knob twice as heavy, 2.2 and 4.4 with the hand, half as much."""
+    light, heavy = made(LAG).law, made(LAG, knob={"inertia": 4.1e-6}).law
+    assert light.weight == pytest.approx(2.0 * heavy.weight, rel=1e-12)
+    assert light.unit == pytest.approx(0.27 * 1e-6 / 2.2e-6, rel=1e-12)
+
+
+def test_nothing_is_proven_of_a_sensed_speed_beside_cogging() -> None:
+    cogging = {"torque": 1e-5, "per_revolution": 12}
+    assert made(SENSED, cogging=cogging).knob.body.cogs is not None
+    assert not made(SENSED, cogging=cogging).law.provable
+    assert made(LAG, cogging=cogging).law.provable

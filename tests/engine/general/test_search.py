@@ -1,5 +1,6 @@
 """What a search asks of its trials, and what it makes of their ends: by hand, with trials that do not run."""
 
+from math import inf
 from typing import Any
 
 import pytest
@@ -21,6 +22,7 @@ class Trials:
 
     def __init__(self, fate: int = follow.REST_PROVEN) -> None:
         self.fate = fate
+        self.state = (0.0, 0.0)
         self.batches: list[tuple[int, int]] = []
         self.budget: Any = None
 
@@ -29,6 +31,7 @@ class Trials:
         self.budget = budget
         trial.counts[0] = 1
         trial.table[0] = self.fate
+        trial.states[:2] = self.state
         trial.table[6] += batch.stop - batch.first
         return 0, 5 * (batch.stop - batch.first)
 
@@ -137,3 +140,50 @@ def test_too_many_pieces_are_no_chart() -> None:
     assert engine.chart(one.body, one.wall, Attractor(Outcome.CYCLE, Reason.NONE, 1.0, period=3)) is None
     assert rooms == [112, 1792, 28_672, 458_752]
     assert 16 * rooms[-1] > 4 * module.MOST_PIECES >= rooms[-1]
+
+
+COGGED = {"hand": {"inertia": 3e-7, "damping": 3.45e-4}, "wall": {"stiffness": 0.0}}
+
+
+def test_cogging_holds_a_knob_as_friction_does() -> None:
+    """A push of 1 mN m is more than friction of 0.2, and less than that and cogging of 0.9."""
+    for cogging, leaves in ((0.0, True), (7e-4, True), (9e-4, False)):
+        one = knob(**COGGED, cogging={"torque": cogging, "per_revolution": 12})
+        (end,) = searched(Trials(), one, [0.0, 0.0]).attractors
+        assert (end.reason is Reason.LEAVES) is leaves
+
+
+def test_a_knob_that_cogs_races_or_spins(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Spins, where a torque over the angle drives it on and on; else it has grown."""
+    one = knob(**COGGED, cogging={"torque": 9e-4, "per_revolution": 12})
+    for turn, reason in ((1000.0, Reason.SPINS), (0.0, Reason.RACES)):
+        over = TorqueRange(-inf, inf, turn, 40.0)
+        monkeypatch.setattr(GeneralEngine, "torques", staticmethod(lambda wall, over=over: over))
+        (end,) = searched(Trials(follow.GREW), one, [0.0, 0.125]).attractors
+        assert end.reason is reason
+
+
+def test_what_is_undecided_beside_parts_can_be_followed_further() -> None:
+    """It keeps the state of a trial; nobody asks for that of a knob without such parts."""
+    plain = knob()
+    cogged = knob(cogging={"torque": 9e-4, "per_revolution": 12})
+    clock = plain._replace(wall=plain.wall._replace(clock=module.np.array([0.0, 0.5, 0.5, 7.0, 0.0, 1.0])))
+    for one, kept in ((plain, False), (cogged, True), (clock, True)):
+        trials = Trials(follow.UNSETTLED)
+        trials.state = (3.5, -0.25)
+        (end,) = searched(trials, one, [0.0, 0.0]).attractors
+        assert end.outcome is Outcome.UNDECIDED
+        assert (end.x, end.v) == ((3.5, -0.25) if kept else (0.0, 0.0))
+
+
+def test_an_end_with_a_period_has_an_orbit() -> None:
+    row = [float(follow.CYCLE_PROVEN), 12.0, 0.25, 0.125, 1e-12, 1e-13, 5.0, 0.0, 0.0, -1.0]
+    found = module.attractor_of(row, [-1.5, 0.25, 9.0], [2.0, 3.0], Reason.NO_REPEAT)
+    assert found == Attractor(
+        Outcome.CYCLE, Reason.NONE, 5.0, 12, -1.5, 0.25, (2.0, 3.0), 0.25, 0.125, 1e-12, 1e-13, (9.0,), -1.0
+    )
+    assert module.attractor_of([row[0], 0.0, *row[2:]], [-1.5, 0.25], [], Reason.NO_REPEAT).period == 0
+    resting = module.attractor_of(
+        [float(follow.REST_PROVEN), 1.0, *row[2:7], -2.0, 1.0, -1.0], [-1.25, 0.0], [], Reason.NO_REPEAT
+    )
+    assert (resting.edge, resting.span) == (0.25, (-2.0, 1.0))
