@@ -1,6 +1,6 @@
 """Lanes of trials by hand: a push and a wall are all that acts, so that speeds change by the torque alone."""
 
-from math import ceil, floor
+from math import ceil, floor, inf
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from hknob_cli.engine import attractors
 from hknob_cli.engine.attractors import Engine
 from hknob_cli.engine.ensemble import ROW, advance, deepest, find, first_sample, near
 from hknob_cli.engine.follow import CYCLE_PROVEN, GREW, REST_PROVEN
-from hknob_cli.engine.loop import make_loop
+from hknob_cli.engine.loop import level_of, lower_edge, make_loop, upper_edge
 from hknob_cli.engine.outcome import Outcome, Reason
 
 # Without hand and damping: a push of 0.5 inwards, and 2 a count outwards of what was read, a quarter above its level.
@@ -141,9 +141,13 @@ def test_an_end_is_found_by_all_that_tells_it() -> None:
         assert find(fate, n, x, v, table, 4) == row
         assert find(fate, n, x, v, table, row) == row  # not there yet
     assert find(GREW, 0, -9.0, 0.0, table, 4) == 3
-    for other in (
-        (CYCLE_PROVEN, 12, -1.5, 0.5), (CYCLE_PROVEN, 12, -1.0, 0.25), (CYCLE_PROVEN, 13, -1.5, 0.25), (REST_PROVEN, 12, -1.5, 0.25)
-    ):  # fmt: skip
+    others = (
+        (CYCLE_PROVEN, 12, -1.5, 0.5),
+        (CYCLE_PROVEN, 12, -1.0, 0.25),
+        (CYCLE_PROVEN, 13, -1.5, 0.25),
+        (REST_PROVEN, 12, -1.5, 0.25),
+    )
+    for other in others:
         assert find(*other, table, 4) == 4
 
 
@@ -187,3 +191,14 @@ def test_an_orbit_of_several_turns_is_turned_to_its_deepest_sample(name: str) ->
             assert found[:2] == (pytest.approx(orbit.x, abs=1e-9), pytest.approx(orbit.v, abs=1e-9))
             assert found[3] == orbit.period
             assert [ring[(found[2] + k) % len(ring)] for k in range(len(ring))] == list(orbit.line)
+
+
+@pytest.mark.parametrize(("sense", "below", "above"), [(1.0, -2.0, -1.0), (-1.0, -3.0, -2.0)])
+def test_a_level_reaches_from_edge_to_edge(sense: float, below: float, above: float) -> None:
+    """Of -2, from its own edge up to the next, or down to it; that of 0 has no upper end."""
+    assert (lower_edge(-2.0, sense), upper_edge(-2.0, sense)) == (below, above)
+    assert (lower_edge(0.0, sense), upper_edge(0.0, sense)) == (below + 2.0, inf)
+    middle = 0.5 * (below + above)
+    assert level_of(middle, sense) == -2.0
+    assert level_of(above if sense > 0.0 else below, sense) != -2.0
+    assert level_of(5.5, sense) == 0.0

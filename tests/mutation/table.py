@@ -40,6 +40,7 @@ BODIES = (
     "search",
     "sensed",
     "slides",
+    "torque_range",
     "torque_table",
     "trace",
 )
