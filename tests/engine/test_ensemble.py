@@ -1,16 +1,18 @@
 """Lanes of trials by hand: a push and a wall are all that acts, so that speeds change by the torque alone."""
 
-from math import ceil, floor, inf
+from math import ceil, floor, inf, pi
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from hknob_cli.engine import attractors
+from hknob_cli.engine import attractors, ensemble
 from hknob_cli.engine.attractors import Engine
-from hknob_cli.engine.ensemble import ROW, advance, deepest, find, first_sample, near
-from hknob_cli.engine.follow import CYCLE_PROVEN, GREW, REST_PROVEN
+from hknob_cli.engine.budget import TrialBudget
+from hknob_cli.engine.certificate import DIFFERENT, PROVEN
+from hknob_cli.engine.ensemble import ROW, TrialRoom, advance, deepest, find, first_sample, near
+from hknob_cli.engine.follow import CYCLE_CONTINUUM, CYCLE_ON_EDGE, CYCLE_PROVEN, GREW, REST_PROVEN
 from hknob_cli.engine.loop import level_of, lower_edge, make_loop, upper_edge
 from hknob_cli.engine.outcome import Outcome, Reason
 
@@ -202,3 +204,50 @@ def test_a_level_reaches_from_edge_to_edge(sense: float, below: float, above: fl
     assert level_of(middle, sense) == -2.0
     assert level_of(above if sense > 0.0 else below, sense) != -2.0
     assert level_of(5.5, sense) == 0.0
+
+
+def test_an_orbit_closes_where_all_of_it_is_as_it_was() -> None:
+    """Place, speed and levels under way, after a part of the samples that divides them."""
+    free = make_loop(0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0)
+    thrown = make_loop(0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
+    turned = make_loop(0.0, pi * pi, 0.0, 0.0, 1.0, 0.0, 0.0)  # half a turn a sample
+    assert deepest(10.0, 0.0, [], 0, 4, free) == (10.0, 0.0, 0, 1)
+    assert deepest(10.0, 1.0, [], 0, 4, free) == (10.0, 1.0, 0, 4)  # it is as fast, and elsewhere
+    assert deepest(10.0, 1.0, [], 0, 4, thrown)[3] == 4  # back after two samples, the other way
+    assert deepest(0.5, 0.0, [], 0, 4, turned)[3] == 2
+    assert deepest(0.5, 0.0, [], 0, 3, turned)[3] == 3
+    ring = [-1.0, -2.0, 0.0]  # of no wall
+    assert deepest(10.0, 0.0, ring, 0, 4, free) == (10.0, 0.0, 0, 4)
+    assert ring == [-1.0, -2.0, 0.0]
+
+
+def test_an_end_is_proven_where_it_is_new_and_kept_as_what_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A turn that was near is an orbit of all its turns; of what is not proven the state stays as it was found."""
+    fates = iter([
+        (CYCLE_PROVEN, 4, 1.0, 2.0), (CYCLE_PROVEN, 4, 1.0, 2.0), (CYCLE_PROVEN, 8, 3.0, 4.0), (REST_PROVEN, 1, -0.5, 0.0),
+        (CYCLE_ON_EDGE, 6, 5.0, 6.0), (CYCLE_CONTINUUM, 7, 7.0, 8.0), (GREW, 0, 9.0, 1.0), (REST_PROVEN, 1, -0.5, 0.0),
+    ])  # fmt: skip
+    asked: list[int] = []
+
+    def certify(x: float, v: float, _ring: Any, _head: int, n: int, _loop: Any) -> Any:
+        asked.append(n)
+        status = DIFFERENT if n in (2, 3) else PROVEN  # half of 4, and of 6; it stays so of 6
+        return status, x + 2.0**-40, v + 2.0**-41, 0.5, 0.25, 1e-12, 1e-13
+
+    monkeypatch.setattr(ensemble, "follow", lambda *_: (*next(fates), 0, 10))
+    monkeypatch.setattr(ensemble, "certify", certify)
+    monkeypatch.setattr(ensemble, "deepest", lambda x, v, _ring, head, n, _loop: (x, v, head, n if n == 7 else n // 2))
+    loop, table = make_loop(0.1, 0.1, 0.1, 0.1, 1.0, 0.0, 0.0), [0.0] * (ROW * 8)
+    room = TrialRoom([0.0] * 3, [0.0] * 3, [], [], table, [])
+    rows, overflow, samples, _ = ensemble.ensemble((1.0, 0.0), 8, 0, 8, TrialBudget(5, 100, True, 1e6), 0, room, loop)
+    assert (rows, overflow, samples) == (6, 0, 8 * 15)
+    numbers = [0.5, 0.25, 1e-12, 1e-13]
+    assert [table[ROW * row : ROW * row + ROW] for row in range(6)] == [
+        [CYCLE_PROVEN, 4, 1.0 + 2.0**-40, 2.0 + 2.0**-41, *numbers, 2.0, 30.0],
+        [CYCLE_PROVEN, 4, 3.0 + 2.0**-40, 4.0 + 2.0**-41, *numbers, 1.0, 15.0],
+        [REST_PROVEN, 1, -0.5, 0.0, *[0.0] * 4, 2.0, 30.0],
+        [CYCLE_ON_EDGE, 6, 5.0, 6.0, *numbers, 1.0, 15.0],
+        [CYCLE_CONTINUUM, 7, 7.0, 8.0, *numbers, 1.0, 15.0],
+        [GREW, 0, 9.0, 1.0, *[0.0] * 4, 1.0, 15.0],
+    ]
+    assert asked == [2, 4, 2, 4, 4, 3, 6, 7]

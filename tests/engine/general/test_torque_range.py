@@ -27,7 +27,7 @@ def test_a_wall_pushes_out_as_hard_as_may_be_and_nothing_else_does_anything() ->
 
 @pytest.mark.parametrize("spring", [0.25, 1.0, 4.0])
 def test_a_table_repeats_or_goes_on_as_a_spring(spring: float) -> None:
-    """What falls with the angle pushes without bound: below outwards, above inwards; on one side it may still repeat."""
+    """What falls with the angle pushes without bound: below outwards, above inwards; on one side it may repeat."""
     assert of_table(0.0, 0.0) == TorqueRange(-1.3, 1.1, 4.0, 3.0)
     assert of_table(-spring, 0.0) == TorqueRange(-1.3, inf, 4.0, 3.0)
     assert of_table(0.0, -spring) == TorqueRange(-inf, 1.1, 4.0, 3.0)
