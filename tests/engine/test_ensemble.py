@@ -223,10 +223,18 @@ def test_an_orbit_closes_where_all_of_it_is_as_it_was() -> None:
 
 def test_an_end_is_proven_where_it_is_new_and_kept_as_what_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     """A turn that was near is an orbit of all its turns; of what is not proven the state stays as it was found."""
-    fates = iter([
-        (CYCLE_PROVEN, 4, 1.0, 2.0), (CYCLE_PROVEN, 4, 1.0, 2.0), (CYCLE_PROVEN, 8, 3.0, 4.0), (REST_PROVEN, 1, -0.5, 0.0),
-        (CYCLE_ON_EDGE, 6, 5.0, 6.0), (CYCLE_CONTINUUM, 7, 7.0, 8.0), (GREW, 0, 9.0, 1.0), (REST_PROVEN, 1, -0.5, 0.0),
-    ])  # fmt: skip
+    resting = (REST_PROVEN, 1, -0.5, 0.0)
+    ends = [
+        (CYCLE_PROVEN, 4, 1.0, 2.0),
+        (CYCLE_PROVEN, 4, 1.0, 2.0),
+        (CYCLE_PROVEN, 8, 3.0, 4.0),
+        resting,
+        (CYCLE_ON_EDGE, 6, 5.0, 6.0),
+        (CYCLE_CONTINUUM, 7, 7.0, 8.0),
+        (GREW, 0, 9.0, 1.0),
+        resting,
+    ]
+    fates = iter(ends)
     asked: list[int] = []
 
     def certify(x: float, v: float, _ring: Any, _head: int, n: int, _loop: Any) -> Any:

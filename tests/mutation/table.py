@@ -73,7 +73,6 @@ WIRED = (
 )
 WATCHED: dict[str, tuple[str, ...]] = {
     "certificate.py": ("tests/engine/test_certificate.py", f"{PROOF}test_certificate_margins.py"),
-    "attractors.py": ("tests/engine/test_attractors.py",),
     "ensemble.py": ("tests/engine/test_ensemble.py", "tests/engine/test_attractors.py"),
     "loop.py": ("tests/engine/test_ensemble.py", "tests/engine/test_bounces.py", "tests/engine/test_attractors.py"),
     "propagator.py": ("tests/verification/test_propagator.py",),
@@ -95,9 +94,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "measure/harmonics.py": ("tests/measure/test_harmonics.py",),
     "measure/unsampled.py": tuple(f"tests/measure/test_unsampled{end}.py" for end in ("", "_margins")),
     "measure/growth.py": tuple(f"tests/measure/test_growth{end}.py" for end in ("", "_by_hand")),
-    "general/advance.py": (f"{GENERAL}test_advance.py", f"{GENERAL}test_columns.py"),
     "general/columns.py": (f"{GENERAL}test_columns.py", f"{GENERAL}test_advance.py"),
-    "general/search.py": (f"{GENERAL}test_search.py",),
     "general/trace.py": (f"{GENERAL}test_trace.py",),
     "general/interval.py": (f"{PROOF}test_interval_margins.py", f"{PROOF}test_friction_alone_margins.py"),
     "general/torque_table.py": (f"{GENERAL}test_torque_table.py",),
