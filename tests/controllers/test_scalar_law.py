@@ -4,6 +4,8 @@ from typing import Any
 
 import pytest
 
+from hknob_cli.controllers.bounded_lag import BoundedLag
+from hknob_cli.controllers.controller import Fading
 from hknob_cli.controllers.scalar_law import LawKnob, make_law
 from hknob_cli.engine.general.laws.law import LOOK, PIECE, SPAN, TORQUE
 from hknob_cli.specs.scene import SceneSpec
@@ -129,3 +131,9 @@ def test_nothing_is_proven_of_a_sensed_speed_beside_cogging() -> None:
     assert made(SENSED, cogging=cogging).knob.body.cogs is not None
     assert not made(SENSED, cogging=cogging).law.provable
     assert made(LAG, cogging=cogging).law.provable
+
+
+def test_nothing_is_proven_of_what_does_not_fade(monkeypatch: pytest.MonkeyPatch) -> None:
+    for fade, proven in ((1.0, False), (1.0 - 2.0**-50, True)):
+        monkeypatch.setattr(BoundedLag, "fading", lambda *_, fade=fade: Fading(0, fade, 1.0))
+        assert made(LAG).law.provable is proven
