@@ -154,3 +154,24 @@ def test_peaks_in_the_later_part_of_a_split_hold() -> None:
     assert 1.4 < now == times[0] < 2.4
     assert state[1] == pytest.approx(0.0, abs=1e-12)
     assert state[0] == pytest.approx(peaks[0], rel=1e-12)
+
+
+def test_a_hold_that_begins_at_a_peak_goes_on_to_the_next() -> None:
+    """A thousandth of a count above the middle, where it is drawn back by less than 1."""
+    w = 8.0 * math.pi
+    loop = make_loop(0.0, w * w, 0.0, 0.0, 1.0, 0.0, 0.0)
+    times, peaks = [0.0] * 9, [0.0] * 9
+    hold = Hold(7.0, 5.001, 0.0, 0.0, w * w * 5.0, 1.125)
+    assert -1.0 < w * w * (5.0 - 5.001) < 0.0
+    assert hold_peaks(hold, 0.125, 0, loop, times, peaks) == 4
+    assert times[:4] == pytest.approx([7.25, 7.5, 7.75, 8.0], rel=1e-12)
+    assert peaks[:4] == pytest.approx([5.001] * 4, rel=1e-12)
+
+
+def test_a_peak_at_the_very_end_of_a_hold_is_one() -> None:
+    """Thrown at 1 from 2 against 1: after 1 it has no speed, and is at 2.5."""
+    loop = make_loop(0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
+    times, peaks = [0.0] * 2, [0.0] * 2
+    assert hold_peaks(Hold(3.0, 2.0, 1.0, 0.0, -1.0, 1.0), math.inf, 0, loop, times, peaks) == 1
+    assert (times[0], peaks[0]) == (4.0, 2.5)
+    assert hold_peaks(Hold(3.0, 2.0, 1.0, 0.5, -0.5, 1.0), math.inf, 0, loop, times, peaks) == 0
