@@ -150,7 +150,7 @@ def _pieces(
         middle = 0.5 * (begin + end)
         older = middle < split
         phase = middle - split + (1.0 if older else 0.0)
-        part = min(int(np.searchsorted(ends, phase, side="right")), parts - 1)
+        part = int(np.searchsorted(ends, phase, side="right"))
         torque = line + (0 if older else late) * parts + part
         look = next((looks + i for i, one in enumerate(control.looks) if abs(one - end) <= SAME), -1)
         span = end - begin

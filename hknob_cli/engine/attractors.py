@@ -204,7 +204,7 @@ class Engine(Runner):
             line=self.zeros(width * delay_line),
             ring=self.zeros(delay_line),
             table=self.zeros(ROW * CAPACITY),
-            lines=self.zeros(max(1, CAPACITY * delay_line)),
+            lines=self.zeros(CAPACITY * delay_line),
         )
         budget = TrialBudget(skip, min(most, patience + skip) if cut else most, not cut, limit)
         rows, overflow, samples = 0, 0, 0

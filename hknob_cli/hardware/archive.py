@@ -123,7 +123,7 @@ class Archive:
             make_folder(kept.parent)
             if recorded is not None:
                 write_trial(kept.with_suffix(".parquet"), recorded, self._stamp)
-            if found is None or not found.whole or (found.blocks and recorded is None):
+            if found is None or not found.whole or recorded is None:
                 put_in_place(part, kept.with_suffix(".part"))  # with bytes that nobody could read
             else:
                 part.unlink()

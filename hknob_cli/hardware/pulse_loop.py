@@ -97,7 +97,7 @@ class PulsedKnob:
         if speed == 0.0 and one.coulomb_nm > 0.0:
             return 0.0
         acting = self._torque_nm if lagged is None else lagged
-        rubbing = math.copysign(one.coulomb_nm, speed) if speed else 0.0
+        rubbing = math.copysign(one.coulomb_nm, speed)
         pull = acting - one.damping * speed - one.stiffness * self._motion.angle_rad - rubbing
         return pull / one.inertia
 

@@ -173,7 +173,7 @@ def run_trial(device: Device, task: Task, keep: Callable[[Block], None], operato
             bound.check()
         clock.judge()
         drift = device.drift if task.live else None
-        if task.live and (wrong := drift_fault(drift)):
+        if wrong := drift_fault(drift):
             raise DeviceError(wrong)
     return Outcome(ended, course.settled_sample, watch.gaps, drift)
 

@@ -138,7 +138,7 @@ class VirtualLoop:
             self._motion.move(torque, push, at - passed)
             passed = at
             if look < 0:
-                torque = sent.later[later] if later < len(sent.later) else torque
+                torque = sent.later[later]
             else:
                 self._look(look)
                 looked = look + 1
@@ -322,5 +322,5 @@ class VirtualDevice(ComputedDevice):
             raise DeviceError(f"the virtual device is {self._state.name.lower()}; it must be {allowed} for that")
 
     def _refuse_tripped(self) -> NoReturn:
-        fault = self._trial.fault if self._trial else ""
-        raise DeviceError(f"the virtual device has tripped, its torque is off: {fault}")
+        assert self._trial is not None
+        raise DeviceError(f"the virtual device has tripped, its torque is off: {self._trial.fault}")

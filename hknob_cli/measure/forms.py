@@ -173,8 +173,7 @@ def loss_form(body: Body, teeth: int = WALL) -> Array:
         finger[1], finger[3] = 1.0, -1.0
         form[3, 3] += 0.0 if teeth == APART else body.pad_damping
         form += body.finger_damping / body.ratio * np.outer(finger, finger)
-    if body.coil > 0.0:
-        form[coil_at(body), coil_at(body)] = body.coil * body.coil_rate
+    form[coil_at(body), coil_at(body)] += body.coil * body.coil_rate
     return form
 
 

@@ -216,7 +216,7 @@ class Motion(NamedTuple):
         n, edge, u, way = float(row[1]), float(row[2]), float(row[3]), float(row[5])
         if loop.counted == 0.0:
             wall = max(-loop.kappa * x, 0.0)
-        elif way == 0.0 and u == 0.0 and loop.kappa > 0.0:
+        elif way == 0.0 and u == 0.0:
             above, below = (piece_drive(m, loop) + loop.gamma for m in (-edge, 1.0 - edge))
             wall = min(max(loop.gamma + loop.beta * edge, above), below)
         else:

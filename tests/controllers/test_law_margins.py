@@ -8,11 +8,13 @@ import pytest
 from hknob_cli.controllers import phase_damping
 from hknob_cli.controllers.controller import ControlLaw, Plant, make_control_law
 from hknob_cli.controllers.estimated_velocity import filter_and_act, spring_and_damper
+from hknob_cli.controllers.first_order_hold import LINE, FirstOrderHold
 from hknob_cli.controllers.half_sample import half_sample
 from hknob_cli.controllers.impulse_damping import ImpulseDamping
-from hknob_cli.controllers.matched_wall import matched_wall
+from hknob_cli.controllers.matched_wall import MatchedWall, matched_gains, matched_wall
 from hknob_cli.controllers.passivity_control import passivity
 from hknob_cli.controllers.phase_damping import PhaseDamping
+from hknob_cli.controllers.stiffening_wall import stiffening
 from hknob_cli.specs.scene import SceneSpec
 
 PLANT = Plant(alpha=0.1, beta=0.02, kappa=0.12, offset=0.25, period_s=1e-3, quantum_rad=0.01, stiffness=0.27)
@@ -181,3 +183,39 @@ def test_a_pace_that_is_not_filtered_has_no_guard() -> None:
     out = [7.0]
     assert filter_and_act(-3.0, 0.5, 0.0, [7.0], 0, fixed_of(goes=0.0, filtered=0.0), out) == inf
     assert out == [2.75 - 1.0]
+
+
+def test_an_estimate_without_a_filter_remembers_readings_alone() -> None:
+    assert control_of(velocity="adaptive", window=3).rows == 2
+    assert control_of(velocity="adaptive", window=3, low_pass=0.004).rows == 2 + 1
+    assert control_of(velocity="adaptive", window=3, low_pass=0.004, angle="filtered").rows == 2 + 2
+
+
+def test_a_hold_of_one_step_without_looks_has_no_line_to_weigh() -> None:
+    for detections, steps, coarse in ((1, 1, 1.0), (2, 1, LINE), (1, 2, LINE)):
+        assert FirstOrderHold(correct=True, detections=detections, steps=steps).coarseness(PLANT) == coarse
+    assert LINE > 1.0
+
+
+def test_a_matched_wall_is_as_coarse_as_both_gains() -> None:
+    place, pace = matched_gains(PLANT)
+    assert MatchedWall(sensor=False).coarseness(PLANT) == pytest.approx(1.0 + abs(place) + abs(pace), rel=1e-15)
+    assert min(abs(place), abs(pace)) > 0.0
+
+
+def test_a_phase_is_guarded_by_where_its_mean_is_crossed() -> None:
+    """By this sample's distance and the last one's, the nearer."""
+    for shown, last, mean in ((-1.0, 0.0, 0.5), (-1.0, 0.25, 0.3), (3.0, 0.0, 64.0)):
+        past, out = [last, mean, 0.0, 8.0, 8.0, 1e3, 1e3, 1.0], [7.0]
+        now = max(-(shown + 0.25), 0.0) if shown < 0.0 else 0.0
+        then = mean + (now - mean) / 64.0
+        wanted = min(abs(now - then), abs(last - mean))
+        assert phase_damping.phase_damping(shown, 0.0, past, [0.25, 2.0, 9.0, 0.0, 0.0], out) == pytest.approx(wanted)
+
+
+def test_a_stiffening_wall_is_at_most_as_stiff_as_asked_for() -> None:
+    """Half of it at the surface, all from four counts on."""
+    for shown, torque in ((0.5, 0.0), (-2.0, 2.0 * 0.75), (-4.0, 4.0), (-8.0, 8.0)):
+        out = [7.0]
+        assert stiffening(shown, 0.0, [], [0.0, 0.25, 0.5], out) == inf
+        assert out == [torque]

@@ -4,6 +4,8 @@ from typing import Any
 
 import pytest
 
+from hknob_cli.controllers.bounded_lag import BoundedLag
+from hknob_cli.controllers.controller import Fading
 from hknob_cli.controllers.scalar_law import LawKnob, make_law
 from hknob_cli.engine.general.laws.law import LOOK, PIECE, SPAN, TORQUE
 from hknob_cli.specs.scene import SceneSpec
@@ -107,3 +109,31 @@ def test_an_interval_is_cut_where_torques_change_and_looks_are() -> None:
     assert pieces_of(made(LAG)) == [(1.0, 0, -1)]
     assert pieces_of(made(LAG, actuator={"delay_samples": 1.0})) == [(1.0, 0, -1)]
     assert pieces_of(made(LAG, actuator={"delay_samples": 0.25})) == [(0.25, 0, -1), (0.75, 1, -1)]
+
+
+def test_a_torque_that_ends_with_an_interval_leaves_no_piece_behind() -> None:
+    """A delay of 1.9 samples and a pulse of 0.1: in doubles the two parts of a sample are a rounding short of 1."""
+    assert (1.9 % 1.0) + 0.1 < 1.0
+    one = made({"kind": "impulse_damping", "pulse": 0.1}, actuator={"delay_samples": 1.9})
+    # The older rest goes on to 0.9, and there the next pulse begins; it fills the interval.
+    assert [(pytest.approx(span), torque) for span, torque, _ in pieces_of(one)] == [(0.9, 1), (0.1, 2)]
+
+
+def test_what_fades_weighs_as_the_wall_does() -> None:
+    """In accelerations: of a knob twice as heavy, 2.2 and 4.4 with the hand, half as much."""
+    light, heavy = made(LAG).law, made(LAG, knob={"inertia": 4.1e-6}).law
+    assert light.weight == pytest.approx(2.0 * heavy.weight, rel=1e-12)
+    assert light.unit == pytest.approx(0.27 * 1e-6 / 2.2e-6, rel=1e-12)
+
+
+def test_nothing_is_proven_of_a_sensed_speed_beside_cogging() -> None:
+    cogging = {"torque": 1e-5, "per_revolution": 12}
+    assert made(SENSED, cogging=cogging).knob.body.cogs is not None
+    assert not made(SENSED, cogging=cogging).law.provable
+    assert made(LAG, cogging=cogging).law.provable
+
+
+def test_nothing_is_proven_of_what_does_not_fade(monkeypatch: pytest.MonkeyPatch) -> None:
+    for fade, proven in ((1.0, False), (1.0 - 2.0**-50, True)):
+        monkeypatch.setattr(BoundedLag, "fading", lambda *_, fade=fade: Fading(0, fade, 1.0))
+        assert made(LAG).law.provable is proven

@@ -1,11 +1,22 @@
 """Attractors of whole cells: what is known to exist is found, and every path of the engine agrees."""
 
 from collections import Counter
+from math import floor
 
 import pytest
 
-from hknob_cli.engine.attractors import Engine, NeedsCompilerError, Search
+from hknob_cli.engine.attractors import (
+    USUAL,
+    Engine,
+    NeedsCompilerError,
+    Patience,
+    Search,
+    attractor_of,
+    unfinished,
+)
 from hknob_cli.engine.budget import sample_limit, settling_samples
+from hknob_cli.engine.ensemble import ROW, SAMPLES
+from hknob_cli.engine.follow import REST_PROVEN
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.propagator import slowest_rate
@@ -132,3 +143,89 @@ def test_reasons_have_words() -> None:
 
     assert set(WORDS) == set(Reason)
     assert all(WORDS[reason] for reason in Reason if reason is not Reason.NONE)
+
+
+def test_every_sample_of_a_limited_trial_is_counted() -> None:
+    """Of a knob so heavy that nothing repeats, those that pass before anything is looked for too."""
+    heavy = knob(knob={"inertia": 1.0})
+    for phases in (1, 3):
+        found = search(Engine(), heavy, phases=phases, max_samples=800)
+        assert found.attractors[0].reason is Reason.TOO_SLOW
+        assert found.samples == 800 * phases
+
+
+def test_the_samples_of_all_trials_are_those_of_each_end() -> None:
+    engine, one, kept = Engine(), knob(bias={"half_quantum": True}), []
+    run = engine._ensemble
+
+    def kernel(*given):  # type: ignore[no-untyped-def]
+        kept.append(given[-2].table)
+        return run(*given)
+
+    engine._ensemble = kernel
+    found = search(engine, one, phases=12)
+    assert len(found.attractors) > 1
+    (table,) = kept
+    assert sum(table[ROW * row + SAMPLES] for row in range(len(found.attractors))) == found.samples
+    assert found.samples > 12 * settling_samples(slowest_rate(one.loop.alpha, one.loop.beta), 10**6)
+
+
+class Heard(Exception):
+    """The kernel has been called."""
+
+
+def test_the_interpreter_follows_no_longer_than_its_patience(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All trials at once where there is no limit on the clock; each for the samples that pass, and its patience."""
+    long = knob(rate=1e5)
+    rate = slowest_rate(long.loop.alpha, long.loop.beta)
+    limit = sample_limit(rate, damped=True)
+    skip = settling_samples(rate, limit)
+    for patience, samples, final in ((1000, 1000 + skip, False), (limit, limit, True)):
+        engine = Engine(patience=Patience(patience))
+
+        def kernel(at, phases, start, stop, budget, *rest, samples=samples, final=final):  # type: ignore[no-untyped-def]
+            assert (budget.skip, budget.samples, budget.final) == (skip, samples, final)
+            assert (start, stop) == (0, 500)
+            raise Heard
+
+        monkeypatch.setattr(engine, "_ensemble", kernel)
+        with pytest.raises(Heard):
+            search(engine, long, phases=500)
+
+
+def test_time_that_is_over_is_told_and_patience_hands_over() -> None:
+    """Patience is the interpreter's alone, and a limit of the cell that is shorter comes first."""
+    hurried = Patience(seconds=2.0)
+    for seconds, patience, fast in (
+        (None, USUAL, False),
+        (1.0, hurried, False),
+        (None, hurried, True),
+        (3.0, hurried, True),
+    ):
+        left = unfinished(3, seconds, patience, compiled=fast)
+        assert (left.outcome, left.reason, left.trials) == (Outcome.UNDECIDED, Reason.TIME_LIMIT, 3)
+    for seconds in (None, 3.0):
+        with pytest.raises(NeedsCompilerError):
+            unfinished(3, seconds, hurried, compiled=False)
+
+
+@pytest.mark.parametrize(
+    ("x", "edge"), [(-1.25, 0.25), (-0.75, 0.25), (-1.75, 0.25), (2.125, 0.125), (-0.5, 0.5), (1.875, 0.125)]
+)
+def test_a_rest_is_as_far_from_an_edge_as_from_the_next_whole_number(x: float, edge: float) -> None:
+    row = [float(REST_PROVEN), 1.0, x, 0.0, 9.0, 9.0, 0.0, 0.0, 3.0, 0.0]
+    assert attractor_of(row, [], Reason.NO_REPEAT).edge == edge
+
+
+def test_the_torques_of_an_orbit_are_those_under_way_and_then_those_of_its_own_readings() -> None:
+    """With 2.3 samples of delay three are under way, the oldest first; each is of the level that was read then."""
+    one = knob(rate=400.0, actuator={"delay_samples": 2.3})
+    engine = Engine()
+    orbit = next(a for a in search(engine, one, phases=4).attractors if a.outcome is Outcome.CYCLE)
+    xs, _, older, newer = engine.trace(one.loop, orbit)
+    levels = [*orbit.line, *(min(floor(x), 0.0) for x in xs[:-1])]
+    wanted = [0.0 - one.loop.kappa * (level + one.loop.offset) * (level < 0.0) - one.loop.gamma for level in levels]
+    assert len(orbit.line) == 3
+    assert len(set(orbit.line)) > 1
+    assert older.tolist() == pytest.approx(wanted[: orbit.period], rel=1e-15)
+    assert newer.tolist() == pytest.approx(wanted[1 : orbit.period + 1], rel=1e-15)

@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
-from hknob_cli.engine.bounces import bounce_peaks
-from hknob_cli.engine.loop import drive_of
+from hknob_cli.engine.bounces import Hold, bounce_peaks, hold_peaks
+from hknob_cli.engine.loop import drive_of, make_loop
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
 from hknob_cli.specs.scene import SceneSpec
@@ -121,3 +122,56 @@ def test_several_peaks_in_one_hold() -> None:
     assert np.allclose(np.array(times[:count]) / 7.0, wanted, rtol=1e-11)
     peaks = [middle + (c * cmath.exp(s * t)).real for t in wanted]
     assert np.allclose([one.angle_rad(x) for x in tops[:count]], peaks, rtol=1e-11)
+
+
+@pytest.mark.parametrize("v", [-0.5, -3.0, 0.0, 0.5])
+def test_peaks_of_a_free_ringing_by_hand(v: float) -> None:
+    """Four turns a hold about 5: x - 5 is C cos(8 pi t - phase); slow ones begin with a trough as fast ones do."""
+    w = 8.0 * math.pi
+    loop = make_loop(0.0, w * w, 0.0, 0.0, 1.0, 0.0, 0.0)
+    times, peaks = [0.0] * 9, [0.0] * 9
+    x = 5.0 - 0.25 if v == 0.0 else 5.0
+    hold = Hold(7.0, x, v, v, w * w * 5.0, 1.0)
+    count = hold_peaks(hold, 1.0 / 8.0, 0, loop, times, peaks)
+    phase = math.atan2(v / w, x - 5.0) % (2.0 * math.pi)
+    assert count == 4
+    assert times[:4] == pytest.approx([7.0 + phase / w + i / 4.0 for i in range(4)], rel=1e-12)
+    assert peaks[:4] == pytest.approx([5.0 + math.hypot(x - 5.0, v / w)] * 4, rel=1e-12)
+
+
+def test_peaks_in_the_later_part_of_a_split_hold() -> None:
+    """Under the push alone for 0.4 of a hold, then out of the wall: on a stiff hand, by SciPy's exponential."""
+    alpha, beta, kappa, gamma, split = 0.2, 1.5, 40.0, 0.25, 0.4
+    loop = make_loop(alpha, beta, kappa, gamma, 1.0, 0.0, split)
+    times, peaks = [0.0] * 9, [0.0] * 9
+    assert bounce_peaks(-0.5, 0.0, [0.0], 3, loop, times, peaks) == 1
+    matrix = np.array([[0.0, 1.0, 0.0], [-beta, -alpha, 1.0], [0.0, 0.0, 0.0]])
+    state, now = np.array([-0.5, 0.0, -gamma]), 0.0
+    for end, drive in ((0.4, -gamma), (1.4, kappa - gamma), (2.4, -gamma)):  # level -1 at the first sample alone
+        state[2] = drive
+        span = min(end, times[0]) - now
+        state, now = expm(matrix * span) @ state, now + span
+    assert 1.4 < now == times[0] < 2.4
+    assert state[1] == pytest.approx(0.0, abs=1e-12)
+    assert state[0] == pytest.approx(peaks[0], rel=1e-12)
+
+
+def test_a_hold_that_begins_at_a_peak_goes_on_to_the_next() -> None:
+    """A thousandth of a count above the middle, where it is drawn back by less than 1."""
+    w = 8.0 * math.pi
+    loop = make_loop(0.0, w * w, 0.0, 0.0, 1.0, 0.0, 0.0)
+    times, peaks = [0.0] * 9, [0.0] * 9
+    hold = Hold(7.0, 5.001, 0.0, 0.0, w * w * 5.0, 1.125)
+    assert -1.0 < w * w * (5.0 - 5.001) < 0.0
+    assert hold_peaks(hold, 0.125, 0, loop, times, peaks) == 4
+    assert times[:4] == pytest.approx([7.25, 7.5, 7.75, 8.0], rel=1e-12)
+    assert peaks[:4] == pytest.approx([5.001] * 4, rel=1e-12)
+
+
+def test_a_peak_at_the_very_end_of_a_hold_is_one() -> None:
+    """Thrown at 1 from 2 against 1: after 1 it has no speed, and is at 2.5."""
+    loop = make_loop(0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
+    times, peaks = [0.0] * 2, [0.0] * 2
+    assert hold_peaks(Hold(3.0, 2.0, 1.0, 0.0, -1.0, 1.0), math.inf, 0, loop, times, peaks) == 1
+    assert (times[0], peaks[0]) == (4.0, 2.5)
+    assert hold_peaks(Hold(3.0, 2.0, 1.0, 0.5, -0.5, 1.0), math.inf, 0, loop, times, peaks) == 0

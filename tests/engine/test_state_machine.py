@@ -73,6 +73,41 @@ def test_crossing_near_the_turning_point_stays_inside_its_bracket() -> None:
 
 
 @pytest.mark.parametrize(
+    ("alpha", "beta", "v", "y"),
+    [(2.0, 0.0, 0.7429504449270792, -1.2508910964574058), (0.3, 0.5, 1.743914583216416, -1.4908622189372815)],
+)
+def test_an_edge_at_the_turning_point_is_passed_at_no_speed_backwards(
+    alpha: float, beta: float, v: float, y: float
+) -> None:
+    """There the speed is 0; by the plant's coefficients it is a rounding below."""
+    kind, gap, _, _ = damped_step(v, y, 1.0, 1e9, alpha, beta)
+    assert kind == TURN
+    kind, move, after, t = damped_step(v, y, 1.0, gap, alpha, beta)
+    s, _, f = hold_coefficients(alpha, beta, t)
+    assert -1e-15 < f * v + s * y < 0.0
+    assert (kind, move, after) == (EDGE, gap, 0.0)
+
+
+def test_a_goal_is_stopped_at_in_its_own_piece() -> None:
+    """Before the edge; and also where it is the turning point."""
+    ended = move_on(0.0, 0.0, 1.0, 0.0, -1.0, 0.5, BALL)  # half a count under 0.5
+    assert ended == (EDGE, 0.0, 0.0, 0.5, -sqrt(0.5), pytest.approx(sqrt(2.0)))
+    # From the edge at -1, in the first count with an acceleration of -0.5: 1 upwards is 1 count, to the edge at 0.
+    pushed = BALL._replace(gamma=1.5)
+    assert move_on(1.0, -1.0, 0.0, 1.0, 1.0, inf, pushed) == (EDGE, 0.0, 0.0, 0.0, 0.0, 2.0)
+    assert move_on(1.0, -1.0, 0.0, 0.5, 1.0, -0.75, pushed) == (EDGE, 1.0, -1.0, 0.25, 0.0, 1.0)
+    rubbed = pushed._replace(alpha=1e-3)
+    kind, move, _, _ = damped_step(0.5, -0.5, 1.0, inf, 1e-3, 0.0)
+    assert kind == TURN
+    found = move_on(1.0, -1.0, 0.0, 0.5, 1.0, -1.0 + move, rubbed)
+    assert found[1:3] == (1.0, -1.0)
+    assert found[3] == pytest.approx(move, rel=1e-15)
+    # Drawn out by 1, on a spring of 1, so damped that it never swings: it creeps to 1, and no further.
+    creeps = BALL._replace(alpha=3.0, beta=1.0, gamma=-1.0)
+    assert move_on(0.0, 0.0, 2.0, 0.0, -1.0, 1.0, creeps) == (ENDS, 0.0, 0.0, 1.0, 0.0, inf)
+
+
+@pytest.mark.parametrize(
     ("x", "v", "wanted"),
     [
         (0.0, 0.0, (0.0, 0.0, 0.0)),

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
 from hknob_cli.engine import pulse as source
 from hknob_cli.engine.propagator import hold_coefficients
@@ -95,3 +96,20 @@ def test_friction_stops_a_knob_off_its_rest() -> None:
     angle = respond(Plant(*LIGHT, 1.5e-3), pulse(2000), 1e-4)
     assert np.ptp(angle[-500:]) == 0.0
     assert 0.0 < abs(angle[-1]) <= 1.5e-3 / 0.04
+
+
+@pytest.mark.parametrize(
+    ("alpha", "beta", "decay", "t"),
+    [(0.01, 1e-4, 0.3, 0.7), (3.0, 0.2, 2.0, 1.0), (0.1, 2.0, 0.5, 4.0), (0.0, 0.0, 1.0, 1.0)],
+)
+def test_the_answer_to_a_torque_that_decays_is_the_matrix_exponentials(
+    alpha: float, beta: float, decay: float, t: float
+) -> None:
+    """From rest under exp(-decay t), itself a state; and times much longer than the series reach."""
+    matrix = np.array([[0.0, 1.0, 0.0], [-beta, -alpha, 1.0], [0.0, 0.0, -decay]])
+    place, speed, _ = expm(matrix * t) @ np.array([0.0, 0.0, 1.0])
+    s, g, f, q, r = source.hold_derivatives(alpha, beta, decay, t)[:5]
+    assert (q, r) == (pytest.approx(place, rel=1e-13), pytest.approx(speed, rel=1e-13))
+    matrix[2, 2] = 0.0
+    held = expm(matrix * t)
+    assert (s, g, f) == pytest.approx((held[0, 1], held[0, 2], held[1, 1]), rel=1e-13, abs=1e-15)

@@ -6,10 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hknob_cli.engine.budget import FINEST
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.unsampled import settling
 from hknob_cli.engine.unsampled.wall_pieces import Unsampled, potential, rest_range, wall_potential
 from hknob_cli.errors import ComputationError
+from hknob_cli.measure import unsampled
 from hknob_cli.measure.unsampled import CHATTER, Motion, UnsampledTrial, _is_doubtful, _reach, events, settle
 from tests.measure.test_unsampled import B, knob
 
@@ -186,3 +188,62 @@ def test_rest_at_the_edge_of_the_wall_is_on_an_edge() -> None:
     assert _is_doubtful(0.0, loop._replace(gamma=0.0))
     assert _reach(-4.0, 0.0, LOOP._replace(gamma=16.0, kappa=0.5)) == pytest.approx(32.0)
     assert _reach(-25.0, 0.0, LOOP._replace(gamma=4.0, kappa=0.25)) == pytest.approx(sqrt(800.0))
+
+
+def test_a_position_that_is_as_far_as_a_double_tells_is_too_fine(monkeypatch: pytest.MonkeyPatch) -> None:
+    for reach, reason in ((FINEST, Reason.TOO_FINE), (FINEST / 2.0, Reason.EVENT_LIMIT)):
+        monkeypatch.setattr(unsampled, "_reach", lambda *_, reach=reach: reach)
+        assert found(knob(1024), settling.OUT_OF_EVENTS).reason is reason
+
+
+@pytest.mark.parametrize(
+    ("rest", "numbers", "doubtful"),
+    [
+        # Drawn away from an edge by 4 units in the last place of the wall's torque, or by a lot.
+        (0.0, {"kappa": 1.0, "gamma": 4.0 * EPSILON}, True),
+        (0.0, {"kappa": 1.0, "gamma": 1e-3}, False),
+        # By just the bound: 8 units of (1 + itself).
+        (0.0, {"kappa": 1.0, "gamma": 8.0 * EPSILON * (1.0 + 8.0 * EPSILON)}, True),
+        # Pushed up by 0.25, which is the friction; and by a little more or less.
+        (-1.0, {"kappa": 1.0, "gamma": 0.75, "phi": 0.25}, True),
+        (-1.0, {"kappa": 1.0, "gamma": 0.875, "phi": 0.25}, False),
+    ],
+)
+def test_a_rest_on_an_edge_is_doubtful_where_roundings_decide(
+    rest: float, numbers: dict[str, float], doubtful: bool
+) -> None:
+    assert _is_doubtful(rest, LOOP._replace(**{"gamma": 0.0, **numbers})) is doubtful
+
+
+def test_a_knob_at_rest_beside_an_edge_is_held_by_its_own_count() -> None:
+    """On it by what balances the push, within what the counts on both sides command."""
+    one = knob(1024)._replace(loop=LOOP._replace(gamma=3.0))
+    motion = Motion(one, 1.0, np.zeros((1, 6)))
+    for edge, u, wall in ((-1.0, 0.0, 3.0), (-1.0, -0.25, 4.0), (-2.0, 0.0, 4.0), (0.0, 0.0, 2.0)):
+        n = 2.0 if u else 0.0
+        row = np.array([0.0, n, edge, u, 0.0, 0.0])
+        assert motion._torque(row, edge + u) == pytest.approx(wall * one.torque_nm)
+    free = Motion(one._replace(loop=LOOP._replace(kappa=0.0)), 1.0, np.zeros((1, 6)))
+    assert free._torque(np.zeros(6), 0.0) == 0.0
+
+
+def test_chatter_is_followed_where_friction_leaves_more_than_one_rest() -> None:
+    """From just below the edge at -2 it is pushed up by 0.9, above it down by 0.1, with a friction of 0.5.
+
+    It comes to the edge with v^2 = 0.8e-8, and stops 0.8e-8 / 1.2 beyond.
+    """
+    loop = LOOP._replace(kappa=1.0, gamma=2.1, phi=0.5)
+    assert rest_range(loop) == (-2.0, -1.0)
+    one = knob(1024)._replace(loop=loop, unit_rad=1.0, unit_s=1.0, shift=0.0)
+    motion = events(one, angle_rad=-2.0 - 1e-8, velocity_rad_s=0.0, duration_s=10.0)
+    assert len(motion.rows) == 3
+    assert motion.rows[-1][2:4] == pytest.approx([-2.0, 0.8e-8 / 1.2], rel=1e-6)
+    assert motion.rows[-1][5] == 0.0
+
+
+def test_a_knob_that_stands_still_loses_nothing() -> None:
+    """Whatever rest and start differ by."""
+    said = found(knob(1024), settling.CAME_TO_REST, end=-2.5)
+    assert (said.damping_loss_j, said.friction_loss_j) == (0.0, 0.0)
+    damped = found(knob(1024, hand={"inertia": 3e-7, "damping": B}), settling.CAME_TO_REST, end=-2.5)
+    assert damped.damping_loss_j > 0.0

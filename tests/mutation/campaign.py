@@ -21,9 +21,9 @@ import time
 import types
 from collections import defaultdict
 from collections.abc import Callable, Generator, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, NoReturn
 
 import pytest
 
@@ -116,13 +116,13 @@ def put_in_place(mutant: Mutant) -> None:
         for one in ours():
             if getattr(one, mutant.name, None) is old:
                 setattr(one, mutant.name, new)
-    forget(compiled=module.__name__.startswith(COMPILED))
+    forget()
 
 
-def forget(*, compiled: bool = False) -> None:
-    """Forget what functions remember of earlier calls; ``compiled``: the compiled code, too."""
+def forget() -> None:
+    """Forget what functions remember of earlier calls; compiled code, and the kinds that it is of, stay."""
     for one in ours():
-        if one.__name__ == "hknob_cli.engine.jit" and not compiled:
+        if one.__name__ in ("hknob_cli.engine.jit", "hknob_cli.engine.linking"):
             continue
         for value in list(vars(one).values()):
             if hasattr(value, "cache_clear") and callable(value):
@@ -274,6 +274,23 @@ class Campaign:
 
 
 @contextmanager
+def nothing_compiled() -> Iterator[None]:
+    """Skip tests that compile: numba would keep a changed function's code where that of these sources belongs."""
+    from hknob_cli.engine import jit
+
+    def skip(*_: object) -> NoReturn:
+        pytest.skip("compiled code is not changed")
+
+    before = jit._compilable, jit.is_kept
+    jit._compilable, jit.is_kept = skip, lambda group="plain": False  # type: ignore[assignment]
+    jit.compiled.cache_clear()
+    try:
+        yield
+    finally:
+        jit._compilable, jit.is_kept = before
+
+
+@contextmanager
 def stopped_after(seconds: float) -> Iterator[None]:
     """Skip what takes more of a core than that: it is too slow to be run each time."""
 
@@ -360,11 +377,14 @@ def run(
     files = list(dict.fromkeys(map(str, watching)))
     ForksHere.longest_s = 4.0 * budget.slowest_s
     forked.Forks = lambda: ForksHere(forget)  # type: ignore[assignment, misc]
+    engine = any(module_of(path).__name__.startswith(COMPILED) for path in {m.path for m in chosen})
     campaign = Campaign(chosen, hear, budget)
     options = ["-o", "addopts=", "--import-mode=importlib", "-p", "no:cacheprovider", "-p", "no:terminal"]
     options += [option for name in left_out for option in ("--deselect", name)]
     options += ["-W", "ignore::pytest.PytestAssertRewriteWarning"]
-    pytest.main([*options, "-p", "no:xdist", "-p", "no:logging", "--rootdir", str(ROOT), *files], plugins=[campaign])
+    options += ["-p", "no:xdist", "-p", "no:logging", "--rootdir", str(ROOT)]
+    with nothing_compiled() if engine else nullcontext():
+        pytest.main([*options, *files], plugins=[campaign])
     return campaign
 
 

@@ -4,7 +4,8 @@
 the group's files (`table.py`), and judges each by the quick tests of its file, as `campaign.py` does. Verdicts are
 appended to a file under results/ as they come: the same command goes on from there. What `accepted.toml` has is not
 tried. Without a group all are tried, one after the other. `--again TEST ...` judges those that no test has found once
-more, by these tests. `--write` puts what is there of all groups into `scores.md`, with a line for each that survives.
+more, by these tests. `--write` puts what is there into `scores.md`, with a line for each that survives; a group of
+which nothing is there keeps what the page says of it.
 """
 
 import argparse
@@ -168,6 +169,13 @@ def score_of(counts: Counter[str]) -> str:
     return f"{100 * counts['killed'] / judged:.1f} %" if judged else "-"
 
 
+def said_of(group: str, page: str) -> tuple[str, list[str]]:
+    """What a page says of a group: its row, and a line for each that survives."""
+    row = next(line for line in page.splitlines() if line.startswith(f"| {group} |"))
+    _, _, told = page.partition(f"### {group}\n")
+    return row, [line for line in told.partition("\n#")[0].splitlines() if line]
+
+
 def table(seed: int) -> str:
     """The page `scores.md`."""
     lines = [
@@ -180,14 +188,22 @@ def table(seed: int) -> str:
         f"test failed within {BUDGET.in_all_s:g} s. *Not called*: by no test of at most {BUDGET.slowest_s:g} s in this "
         "process; compiled code is tested elsewhere, and so are commands that a test starts anew. *Score*: "
         "killed, of those that were called and not explained. The files below that are tried whole were tried first: "
-        "the last two columns are of as many changes as were tried in the order of the draw, without a gap.",
+        "the last two columns are of as many changes as were tried in the order of the draw, without a gap. "
+        "Changes that survived at first were given a test or a reason since: scores say what was done about this "
+        "sample. How many are found at first sight another seed tells.",
         "",
         "| group | changes | tried | killed | explained | survived | out of time | not called | score "
         "| first | their score |",
         "|---|---|---|---|---|---|---|---|---|---|---|",
     ]
     listed = ["", "## What survives, and why", ""]
+    page = SCORES.read_text()
     for group, counts, size, survivors in rows(seed):
+        if not counts:
+            row, told = said_of(group, page)
+            lines.append(row)
+            listed += [f"### {group}", "", *told, ""]
+            continue
         tried, killed = counts.total(), counts["killed"]
         rest = (counts[one] for one in ("explained", SURVIVES, OUT_OF_TIME))
         away = counts[NOT_CALLED] + counts[NOT_PLACED]

@@ -28,6 +28,7 @@ STANDSTILL = (
     f"{GENERAL}test_inner_region.py",
 )
 BODIES = (
+    "advance",
     "columns",
     "controller",
     "event_bounds",
@@ -36,11 +37,14 @@ BODIES = (
     "over_angle",
     "powers",
     "proof",
+    "search",
     "sensed",
     "slides",
+    "torque_range",
     "torque_table",
+    "trace",
 )
-PLAIN = ("attractors", "bounces", "certificate", "extremes", "rest")
+PLAIN = ("attractors", "bounces", "budget", "certificate", "ensemble", "extremes", "rest")
 # Without those that run every pair of parts, and every preset.
 SPEC_TESTS = (
     *(
@@ -65,10 +69,12 @@ WIRED = (
     *("agreed_wall", "block_order", "campaign", "control", "drivers", "frame", "journal", "knob_motion", "measures"),
     *("messages", "nuisances", "person", "pump", "replay", "safety", "sample_clock", "serial_device", "session"),
     *("grip_trigger", "pulse_campaign", "pulse_loop", "pulse_person", "spoilt_trials", "tables", "trial_phases"),
-    *("trial_run", "virtual", "virtual_motor"),
+    *("trial_margins", "trial_run", "virtual", "virtual_motor", "wire_margins"),
 )
 WATCHED: dict[str, tuple[str, ...]] = {
     "certificate.py": ("tests/engine/test_certificate.py", f"{PROOF}test_certificate_margins.py"),
+    "ensemble.py": ("tests/engine/test_ensemble.py", "tests/engine/test_attractors.py"),
+    "loop.py": ("tests/engine/test_ensemble.py", "tests/engine/test_bounces.py", "tests/engine/test_attractors.py"),
     "propagator.py": ("tests/verification/test_propagator.py",),
     "turning.py": ("tests/engine/test_turning.py",),
     "rest.py": ("tests/engine/test_rest.py", f"{PROOF}test_rest_margins.py"),
@@ -88,6 +94,8 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "measure/harmonics.py": ("tests/measure/test_harmonics.py",),
     "measure/unsampled.py": tuple(f"tests/measure/test_unsampled{end}.py" for end in ("", "_margins")),
     "measure/growth.py": tuple(f"tests/measure/test_growth{end}.py" for end in ("", "_by_hand")),
+    "general/columns.py": (f"{GENERAL}test_columns.py", f"{GENERAL}test_advance.py"),
+    "general/trace.py": (f"{GENERAL}test_trace.py",),
     "general/interval.py": (f"{PROOF}test_interval_margins.py", f"{PROOF}test_friction_alone_margins.py"),
     "general/torque_table.py": (f"{GENERAL}test_torque_table.py",),
     "general/standstill.py": STANDSTILL,
@@ -173,7 +181,7 @@ FOLDERS: dict[str, tuple[str, ...]] = {
     "engine/sets/": (SETS, PROOF),
     "engine/orbit/": ("tests/engine/orbit/", "tests/measure/"),
     "engine/unsampled/": (
-        "tests/engine/test_state_machine.py",
+        *(f"tests/engine/test_{name}.py" for name in ("settling", "state_machine")),
         *(f"tests/measure/test_unsampled{end}.py" for end in ("", "_course")),
     ),
     "engine/pulse": ("tests/identify/",),

@@ -7,8 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from hknob_cli.engine import jit, linking
 from tests.conftest import ROOT
 from tests.mutation.accepted import KINDS
+from tests.mutation.campaign import forget, nothing_compiled
 from tests.mutation.mutate import mutants
 from tests.mutation.table import WATCHED, path_of, watchers_of
 
@@ -105,6 +107,25 @@ def test_every_watched_file_and_its_tests_are_there() -> None:
     for name in WATCHED:
         assert (path_of(name)).exists()
         assert all(test.exists() for test in watchers_of(path_of(name)))
+
+
+def test_changed_code_is_not_compiled_and_so_not_kept() -> None:
+    """What is kept goes by the sources' digest: a later run would take a changed function for theirs."""
+    try:
+        with nothing_compiled():
+            for group in ("plain", "laws"):
+                assert not jit.is_kept(group)
+                with pytest.raises(pytest.skip.Exception, match="not changed"):
+                    jit.compiled(group)
+    finally:
+        jit.compiled.cache_clear()
+
+
+def test_compiled_code_is_of_one_kind_whatever_is_forgotten() -> None:
+    """Parts of another kind are not linked into an entry: it would call what is not there."""
+    before = linking.kinds()
+    forget()
+    assert linking.kinds() is before
 
 
 @pytest.mark.long

@@ -170,7 +170,7 @@ class GeneralEngine(Runner):
             counts=self.zeros(1),
             table=self.zeros(FIELDS * ROWS),
             states=self.zeros(n * ROWS),
-            lines=self.zeros(max(1, delay_line * ROWS)),
+            lines=self.zeros(delay_line * ROWS),
             space=make_space(n, delay_line, self.zeros),
         )
         followed = TrialBudget(skip, min(budget, patience + skip) if cut else budget, not cut, far)

@@ -61,7 +61,7 @@ def chart(z, u, span, body, pad, rows, pieces):
     while left > 0.0 and rows < len(pieces.spans):
         for j in range(n):
             pieces.states[rows * n + j] = z[j]
-        t, hit, _, _, _ = slide(z, u, mode, left, 0.0, 0.0, 0.0, left < 0.0, body, pad)
+        t, hit, _, _, _ = slide(z, u, mode, left, 0.0, 0.0, 0.0, False, body, pad)
         left -= t
         if t > 0.0:
             pieces.spans[rows], pieces.modes[rows], pieces.commands[rows] = t, mode, u

@@ -40,8 +40,5 @@ def swing_moments(top, reference, loop):
                     first += h * WEIGHTS[i] * x
                     second += h * WEIGHTS[i] * x * x
         total += t
-        going = kind == EDGE
-        if going and v == 0.0:
-            n, way = heading(n, edge, u, loop)
-            going = way < 0.0
+        going = kind == EDGE  # without a speed, too: it then turns at once
     return total, edge + u, first, second

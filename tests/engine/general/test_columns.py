@@ -31,6 +31,7 @@ LOOPS: dict[str, dict[str, Any]] = {
         "wall": {"stiffness": 0.27, "damping": 3e-5},
         "actuator": {"delay_samples": 1.4},
     },
+    "no encoder, short delay": {"encoder": "none", "counts": None, "actuator": {"delay_samples": 0.4}},
     "no encoder, delay, lag": {
         "encoder": "none",
         "counts": None,

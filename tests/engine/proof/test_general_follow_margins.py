@@ -1,7 +1,7 @@
 """When a trial is said to reach a known orbit, to repeat, or to come to rest: each condition on its margin."""
 
 from math import inf, nextafter
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 
@@ -9,7 +9,7 @@ from hknob_cli.engine.certificate import DIFFERENT, NOT_CAPTURED, PROVEN
 from hknob_cli.engine.follow import CYCLE_ON_EDGE, CYCLE_PROVEN
 from hknob_cli.engine.general import follow
 from hknob_cli.engine.general.body import Body
-from hknob_cli.engine.general.captured import FIELDS, captured, has_period
+from hknob_cli.engine.general.captured import FIELDS, captured, has_period, may_be_captured
 from hknob_cli.engine.general.controller import Controller, read
 from hknob_cli.engine.general.follow import closes_in, contracts_to_rest
 from hknob_cli.engine.general.interval import advance
@@ -236,3 +236,18 @@ def test_where_motions_may_part_a_return_need_not_be_as_close(
     monkeypatch.setattr(follow, "advance", without_cogs)
     one = body(alpha=0.1, beta=1.0, push=2.5)._replace(**more)
     assert repeats([-0.55, 0.05], 6, 0.0, one, trail=[-1.0, -1.0, -2.0, -2.0, -1.0, 0.0]) is parts
+
+
+def test_only_a_proven_orbit_may_capture_and_only_within_its_margin() -> None:
+    """Two rows of two states: one proven at -1.5, one that is not at 2."""
+
+    class Ends:
+        counts: ClassVar = [2.0]
+        states: ClassVar = [-1.5, 0.0, 2.0, 0.0]
+        table: ClassVar = [float(CYCLE_PROVEN), 12.0, 0.25, *[0.0] * 7, float(CYCLE_ON_EDGE), 12.0, 0.25, *[0.0] * 7]
+
+    class Two:
+        order = 2
+
+    for x, may in ((-1.5, True), (-1.26, True), (-1.25, False), (-1.75, False), (2.0, False), (9.0, False)):
+        assert may_be_captured(x, Ends(), Two()) is may
