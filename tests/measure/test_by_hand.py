@@ -66,7 +66,7 @@ def test_harmonics_are_as_many_as_there_is_time_for(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(general_orbit, "MOST_WORK", 100)
     asked: list[int] = []
 
-    def of_chart(body: Any, chart: Any, period: int, split: float, count: int, *, behind: bool) -> Any:
+    def of_chart(body: Any, chart: Any, period: int, count: int, *, behind: bool) -> Any:
         asked.append(count)
         return np.zeros(count, complex)
 
