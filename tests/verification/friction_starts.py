@@ -4,6 +4,9 @@ A hold in which no velocity changes its sign is one matrix. Where one does, the 
 with the matrices of T/2, T/4, ..., and what is left of the hold is put together of the same.
 """
 
+from collections import deque
+from collections.abc import Iterator
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -89,10 +92,19 @@ class FrictionStarts:
 
     def run(self, theta: Array, omega: Array, samples: int) -> tuple[Array, Array, Array]:
         """States after ``samples`` sample periods, and the readings before."""
+        return deque(self._periods(theta, omega, samples), maxlen=1)[0]
+
+    def readings(self, theta: Array, omega: Array, samples: int, kept: int) -> Array:
+        """Readings of the last ``kept`` of ``samples`` + ``kept`` sample periods, shape (kept, trials)."""
+        periods = self._periods(theta, omega, samples + kept)
+        return np.array([shown for _, _, shown in islice(periods, samples, None)])
+
+    def _periods(self, theta: Array, omega: Array, samples: int) -> Iterator[tuple[Array, Array, Array]]:
+        """The state after each sample period, and the reading before; commands wait in one line all along."""
         line = [np.zeros(len(theta)) for _ in range(self.delay)]
         before = np.floor(theta / self.quantum)
         for _ in range(samples):
             torque, before = self.command(theta, before)
             line.append(torque)
             theta, omega = self.hold(theta, omega, line.pop(0) - self.push)
-        return theta, omega, before
+            yield theta, omega, before

@@ -230,12 +230,8 @@ def random_ends(cell: Cell, far: tuple[float, float], starts: int, samples: int,
     if "coulomb_torque" not in cell.scene["knob"]:
         return readings(cell.scene, cell.rate, cell.counts, states, samples, kept)
     trials = starts_of(cell.scene, cell.rate, cell.counts)
-    theta, omega, _ = trials.run(states[:, 0], states[:, 1], samples)
-    rows = []
-    for _ in range(kept):
-        theta, omega, shown = trials.run(theta, omega, 1)
-        rows.append(shown if trials.over else np.minimum(shown, 0.0))
-    return np.array(rows)
+    seen = trials.readings(states[:, 0], states[:, 1], samples, kept)
+    return seen if trials.over else np.minimum(seen, 0.0)
 
 
 def unlisted(cell: Cell, found: Searched, starts: int, most: int, seed: int) -> int | None:
@@ -317,6 +313,7 @@ def main() -> int:
             tally["simulated"] += off is not None
             if off:
                 lost.append((number, off))
+                print(f"scene {number}: {off} of {given.starts} starts end off the list", flush=True)
         else:
             tally[f"open: {search.why.name.lower()}"] += 1
             left.append((number, round(search.undecided, 4)))
