@@ -10,7 +10,7 @@ from typing import Any
 from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.attractors import NeedsCompilerError
 from hknob_cli.engine.general.every_clock import ClockBound, is_bounded, start_region, start_regions
-from hknob_cli.engine.general.search import as_arrays
+from hknob_cli.engine.general.search import as_compiled
 from hknob_cli.scene.general_knob import GeneralKnob
 from hknob_cli.specs.plan import Starts
 
@@ -31,12 +31,12 @@ def clock_bound_rad(
         return None
     if functions is None:
         raise NeedsCompilerError
-    body = as_arrays(knob.body)
+    body, wall = as_compiled(knob.body, knob.wall)
     if starts.span:
         low, high, slowest, fastest = starts.span
         regions = start_region([knob.start(low, slowest), knob.start(high, fastest)])
     else:
         regions = start_regions(body, knob.start(starts.angle, starts.velocity))
     with Alarm(seconds, body.halt):
-        counts = ClockBound(functions, body, knob.wall).range(regions)
+        counts = ClockBound(functions, body, wall).range(regions)
     return None if counts is None else counts * knob.quantum_rad

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.ensemble import begin
 from hknob_cli.engine.general.jitter import begin_clock, jitters, next_span
-from hknob_cli.engine.general.search import as_arrays, as_list
+from hknob_cli.engine.general.search import as_compiled, as_list
 from hknob_cli.engine.general.trace import run
 from hknob_cli.engine.jit import compiled as compiled_functions
 from hknob_cli.errors import ComputationError
@@ -68,8 +68,7 @@ def follow_knob(
     """
     functions = compiled_functions("general") if compiled else None
     order, delay = knob.body.order, knob.delay_line
-    body = as_arrays(knob.body) if compiled else knob.body
-    wall = knob.wall if compiled else as_list(knob.wall)
+    body, wall = as_compiled(knob.body, knob.wall) if compiled else (knob.body, as_list(knob.wall))
 
     def zeros(count: int) -> Any:
         return np.zeros(count) if compiled else [0.0] * count

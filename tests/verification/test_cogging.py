@@ -14,7 +14,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from hknob_cli.engine.general.cogging import STABLE, UNSTABLE
-from hknob_cli.engine.general.search import GeneralEngine, as_arrays
+from hknob_cli.engine.general.search import GeneralEngine, as_compiled
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.measure.general_orbit import RATTLE, GeneralMeasurer
@@ -291,7 +291,7 @@ def test_proven_cycles_draw_what_is_said_to_come_to_them() -> None:
     chance, checked = Random(1), 0
     advance = compiled("general")["general.advance"]
     for cell in cells():
-        body = as_arrays(cell.knob.body)
+        body, wall = as_compiled(cell.knob.body, cell.knob.wall)
         for end in cell.found:
             if end.outcome is not Outcome.CYCLE or not end.certified or end.period > 60 or checked == 40:
                 continue
@@ -302,7 +302,7 @@ def test_proven_cycles_draw_what_is_said_to_come_to_them() -> None:
             off = np.array([reach * np.cos(turn), reach * np.sqrt(hold) * np.sin(turn)]) * 0.999
             z, before = np.array([end.x, end.v]) + off, end.before
             for _ in range(200 * end.period):
-                before, _ = advance(z, before, line, 0, body, cell.knob.wall, pad)
+                before, _ = advance(z, before, line, 0, body, wall, pad)
             beside = np.array([end.x, end.v])
             if not body.friction:
                 assert np.abs(z - beside).max() < 1e-3 * np.abs(off).max() + 1e-9

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.engine.attractors import NeedsCompilerError
-from hknob_cli.engine.general.search import as_arrays
+from hknob_cli.engine.general.search import as_compiled
 from hknob_cli.engine.jit import compiled
 from hknob_cli.measure.clock_bound import clock_bound_rad
 from hknob_cli.scene.general_knob import GeneralKnob
@@ -158,7 +158,7 @@ def test_compiled_cells_are_the_interpreted_ones(bias: float) -> None:
     wall = knob.wall._replace(clock=np.array(knob.wall.clock))
     boxes = np.zeros(len(cells.boxes), np.int64)
     grid = cells._replace(parts=np.array(cells.parts), boxes=boxes)
-    in_code = follow_cells(compiled("general"), as_arrays(knob.body), wall, grid, begun)
+    in_code = follow_cells(compiled("general"), *as_compiled(knob.body, wall), grid, begun)
     for one, other in zip(plain, in_code, strict=True):
         np.testing.assert_array_equal(one, other)
 

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.engine.attractors import Attractor
-from hknob_cli.engine.general.search import GeneralEngine, as_arrays
+from hknob_cli.engine.general.search import GeneralEngine, as_compiled
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.general_orbit import GeneralMeasurer
@@ -95,8 +95,8 @@ def positions(found: Found) -> np.ndarray:
     n, one = found.knob.body.order, found.orbit
     states, torques = np.zeros((one.period + 1) * n), np.zeros(one.period + 1)
     state, line = np.array([one.x, one.v, *one.state]), np.array(one.line, dtype=np.float64)
-    body = as_arrays(found.knob.body)
-    through(state, one.before, line, 0, one.period, body, found.knob.wall, np.zeros(2 * n), states, torques)
+    body, wall = as_compiled(found.knob.body, found.knob.wall)
+    through(state, one.before, line, 0, one.period, body, wall, np.zeros(2 * n), states, torques)
     return states[::n]
 
 

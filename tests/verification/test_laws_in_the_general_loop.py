@@ -14,7 +14,7 @@ import pytest
 
 from hknob_cli.engine.attractors import Attractor
 from hknob_cli.engine.general.laws.search import LawEngine
-from hknob_cli.engine.general.search import as_arrays
+from hknob_cli.engine.general.search import as_compiled
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.general_orbit import LawMeasurer
@@ -47,9 +47,10 @@ def run(engine: LawEngine, made: Any, state: Any, past: Any, samples: int) -> tu
     functions: Any = compiled("laws")
     z, memory = np.array(state, dtype=np.float64), np.array(past, dtype=np.float64)
     states, looks = [z.copy()], []
-    body, pad = as_arrays(made.knob.body), np.zeros(2 * n)
+    (body, wall), pad = as_compiled(made.knob.body, made.knob.wall), np.zeros(2 * n)
+    loop_law = engine.law_beside(body)
     for _ in range(samples):
-        functions["general.laws.advance_with_law"](z, memory, body, made.knob.wall, engine._law, pad)
+        functions["general.laws.advance_with_law"](z, memory, body, wall, loop_law, pad)
         states.append(z.copy())
         looks.append(memory[law.rows : law.rows + 1 + law.looks].copy())
     return np.array(states), np.array(looks)
@@ -61,9 +62,9 @@ def check_trial(one: Drawn) -> float:
     knob, engine = made.knob, LawEngine(made.law, compiled("laws"))
     functions: Any = compiled("laws")
     z, past, phase = np.zeros(knob.body.order), np.zeros(engine.past_length), 0.37
-    body = as_arrays(knob.body)
+    body, wall = as_compiled(knob.body, knob.wall)
     functions["general.begin"](z, np.array(knob.start(0.02, -0.5)), phase, body, np.zeros(2 * len(z)))
-    functions["general.laws.begin_past"](past, functions["general.read"](z[0], knob.wall), engine._law)
+    functions["general.laws.begin_past"](past, functions["general.read"](z[0], wall), engine.law_beside(body))
     states, _ = run(engine, made, z, past, SAMPLES)
     trial = simulate_law(one.scene, one.rate_hz, one.counts, angle=0.02, velocity=-0.5, phase=phase)
     worst, size = float("nan"), float(np.abs(states[:, 0]).max())

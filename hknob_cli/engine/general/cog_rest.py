@@ -64,7 +64,7 @@ def settles_free(cogs, z, u, shown, wrong, push, body, wall, orbit, away):
 
     ``push``: impulse, in all, by which the torque may still differ. Returns ``(fate, margin)``.
     """
-    if cogs is None:
+    if cogs is None or not len(cogs):
         return MOVING, 0.0
     hold = hold_stiffness(cogs, z[0], body)
     if not hold > 0.0 or not is_carried(body):
@@ -110,7 +110,7 @@ def keeps_to_slope(cogs, z, u, shown, wrong, push, body, wall, orbit, away):
 
     ``wrong`` and ``push`` as `settles_free` has them.
     """
-    if cogs is None:
+    if cogs is None or not len(cogs):
         return False, 0.0
     low, high = zone_on(cogs, z[0], u, wrong, body)
     if low > high:

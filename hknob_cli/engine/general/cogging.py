@@ -10,8 +10,8 @@ the spring of a stable slope, never grows on a stable slope; on an unstable one 
 most. Two motions with the same commands on one slope keep closer than the energy of their difference allows, as long as
 all springs on the knob together hold it (`hold_stiffness`); where one of them comes past a corner, nothing is known.
 
-The compiler makes code of its own for scenes without cogging, in which nothing of this is left: cogs that are None are
-known by their type.
+The compiler makes code of its own for scenes without any part of this kind, in which nothing of this is left: cogs that
+are None are known by their type. Beside other such parts they are empty (`search.as_compiled`).
 """
 
 from math import sqrt
@@ -48,14 +48,16 @@ SPRINGS = 16.0  # roundings of two springs that may cancel, as they come from a 
 
 def has_cogs(cogs):
     """Whether there is cogging."""
-    return cogs is not None
+    if cogs is None:
+        return False
+    return bool(len(cogs))
 
 
 def has_gone(cogs, z, limit):
     """Whether a trial has left: it is past ``limit``; or far, and so fast that it would be followed for ever."""
     if not -limit < z[0] < limit:
         return True
-    if cogs is None:
+    if cogs is None or not len(cogs):
         return False
     return abs(z[0]) > FAR * limit and abs(z[1]) > MANY * cogs[LENGTH]
 
@@ -87,14 +89,14 @@ def pull_on(x, slope, cogs):
 
 def cog_pull(cogs, x):
     """Torque of cogging at a position, as an acceleration; 0 without any."""
-    if cogs is None:
+    if cogs is None or not len(cogs):
         return 0.0
     return pull_on(x, slope_at(x, cogs), cogs)
 
 
 def cog_number(cogs, which):
     """One of the numbers of cogs; 0 without any."""
-    if cogs is None:
+    if cogs is None or not len(cogs):
         return 0.0
     return cogs[which]
 
@@ -114,7 +116,7 @@ def hold_stiffness(cogs, x, body):
 
     Of springs that may cancel it is a bound from below. Infinite without cogging, where nothing needs to hold it.
     """
-    if cogs is None:
+    if cogs is None or not len(cogs):
         return float("inf")
     own, spring = own_stiffness(body), spring_of(slope_at(x, cogs), cogs)
     if spring > 0.0:
@@ -136,7 +138,7 @@ def energy_apart(cogs, dz, x, body):
 
 def far_apart(cogs, dz, x, body):
     """As `body.distance`, of two motions on the slope at ``x`` that stay on it; inf where its springs do not hold."""
-    if cogs is None:
+    if cogs is None or not len(cogs):
         return distance(dz, body)
     hold = hold_stiffness(cogs, x, body)
     if not hold > 0.0:
@@ -146,7 +148,7 @@ def far_apart(cogs, dz, x, body):
 
 def reach_on(cogs, x, body):
     """Position of a unit root of energy on the slope at ``x``, counts; of a stable slope where this does not hold."""
-    if cogs is None:
+    if cogs is None or not len(cogs):
         return body.reach
     hold = hold_stiffness(cogs, x, body)
     if not hold > 0.0:
@@ -156,7 +158,7 @@ def reach_on(cogs, x, body):
 
 def gap_apart(cogs, dz, body):
     """As `body.distance`, of states that may lie on any slope: no bound, but small where they are close."""
-    if cogs is None:
+    if cogs is None or not len(cogs):
         return distance(dz, body)
     return (norm_at(dz, 0, body) + cogs[ROOT] * abs(dz[0])) / sqrt(own_stiffness(body) + cogs[SLOPE])
 

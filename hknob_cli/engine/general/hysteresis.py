@@ -76,7 +76,7 @@ def turn_teeth(z, u, span, shown, body, wall, pad):
 
 def turn_on_cogs(cogs, z, u, span, shown, body, wall, pad):
     """As `turn_and_count`, from corner to corner."""
-    if cogs is None:
+    if cogs is None or not len(cogs):
         return shown, float("inf")
     left, margin = span, float("inf")
     slope = slope_at(z[0], cogs)

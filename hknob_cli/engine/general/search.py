@@ -101,8 +101,22 @@ def as_list(wall: Controller) -> Controller:
 
 
 def as_arrays(body: Body) -> Body:
-    """The body with arrays in place of lists, as compiled code wants it."""
+    """The body with arrays in place of lists, for functions that are given no controller."""
     return Body._make(np.array(value) if isinstance(value, list) else value for value in body)
+
+
+def as_compiled(body: Body, wall: Controller) -> tuple[Body, Controller]:
+    """Body and controller as compiled code wants them: with arrays, which are empty for what is absent beside others.
+
+    Code is compiled for the types that it is given: once for scenes with none of cogging, a torque over the angle and
+    jitter, in which nothing of them is left; and once, not for each of their combinations, for all that have any.
+    """
+    body = as_arrays(body)
+    parts = (body.cogs, wall.table, wall.clock, wall.curve)
+    if all(part is None for part in parts):
+        return body, wall
+    cogs, table, clock, curve = (np.zeros(0) if part is None else part for part in parts)
+    return body._replace(cogs=cogs), wall._replace(table=table, clock=clock, curve=curve)
 
 
 class GeneralEngine(Runner):
@@ -115,6 +129,9 @@ class GeneralEngine(Runner):
         self.compiled_leak = self._functions["orbit.find_leak"] if self._functions else None
 
     torques = staticmethod(torque_range)  # what is commanded far out
+
+    def _ready_for_loop(self, body: Body, wall: Controller) -> tuple[Body, Controller]:
+        return as_compiled(body, wall) if self.compiled else (body, as_list(wall))
 
     def search(
         self,
@@ -156,10 +173,10 @@ class GeneralEngine(Runner):
         if cut and skip > patience:
             raise NeedsCompilerError
         n = body.order
-        ready = as_arrays(body) if self.compiled else body
-        wall = (
-            wall._replace(clock=None if wall.clock is None else wall.clock.copy()) if self.compiled else as_list(wall)
-        )
+        jittering = wall.clock is not None
+        if jittering:
+            wall = wall._replace(clock=wall.clock.copy())
+        ready, wall = self._ready_for_loop(body, wall)
         trial = ensemble.TrialSpace(
             z=self.zeros(n),
             ring=self.zeros(delay_line),
@@ -184,7 +201,7 @@ class GeneralEngine(Runner):
                 begin = perf_counter()
                 runs = [(one, ensemble.Batch(AT_ONCE, 0, 1)) for one in several[first:stop]] if several else None
                 for k, (state, batch) in enumerate(runs or [(start, ensemble.Batch(phases, first, stop))]):
-                    if wall.clock is not None and runs:
+                    if jittering and runs:
                         wall.clock[TRIAL] = float(first + k)  # each start has intervals of its own
                     full, taken = self._run_trials(self.filled(state), batch, followed, trial, ready, wall)
                     overflow += full
@@ -196,7 +213,7 @@ class GeneralEngine(Runner):
         fates = [int(table[FIELDS * row]) for row in range(rows)]
         if cut and any(fate in (follow.UNSETTLED, follow.UNDAMPED) for fate in fates):
             raise NeedsCompilerError
-        why = why_unrepeated(rate, budget, held=spring > 0.0) if wall.clock is None else Reason.JITTERS
+        why = Reason.JITTERS if jittering else why_unrepeated(rate, budget, held=spring > 0.0)
         grew = Reason.SPINS if far < 1e6 * scale else Reason.GREW
         races = body.cogs is not None and grew is Reason.GREW
         found = [
@@ -207,7 +224,7 @@ class GeneralEngine(Runner):
                 why,
                 Reason.RACES if races and abs(trial.states[row * n]) < far else grew,
                 parts=Reason.PARTS if body.cogs is None else Reason.COGS,
-                keep=body.play > 0.0 or body.cogs is not None or wall.clock is not None,
+                keep=body.play > 0.0 or body.cogs is not None or jittering,
             )
             for row in range(rows)
         ]
@@ -220,8 +237,7 @@ class GeneralEngine(Runner):
 
     def parting_rate(self, body: Body, wall: Controller, end: Attractor, samples: int) -> float:
         """How fast motions near the end of a trial part, per sample: see `engine.general.parting`."""
-        ready = as_arrays(body) if self.compiled else body
-        wall = wall if self.compiled else as_list(wall)
+        ready, wall = self._ready_for_loop(body, wall)
         space = make_space(body.order, len(end.line), self.zeros)
         state, line = self.filled([end.x, end.v, *end.state]), self.filled(end.line)
         return float(self._part(state, end.before, line, samples, ready, wall, space))
@@ -229,8 +245,7 @@ class GeneralEngine(Runner):
     def chart(self, body: Body, wall: Controller, orbit: Attractor) -> PeriodSegments | None:
         """One period of an orbit from event to event; None if it has too many pieces."""
         n = body.order
-        ready = as_arrays(body) if self.compiled else body
-        wall = wall if self.compiled else as_list(wall)
+        ready, wall = self._ready_for_loop(body, wall)
         capacity = 16 * orbit.period + 64
         while capacity <= 4 * MOST_PIECES:
             state = self.filled([orbit.x, orbit.v, *orbit.state])

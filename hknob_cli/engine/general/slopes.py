@@ -43,7 +43,7 @@ def pass_on(z, u, slope, mode, end, body):
 
 def cog_many(cogs, z, u, span, body, pad):
     """Move ``z`` over any time up to a sample period from corner to corner; with friction from event to event."""
-    if cogs is None:
+    if cogs is None or not len(cogs):
         return
     left = span
     slope = slope_at(z[0], cogs)
@@ -73,7 +73,7 @@ def cog_columns(cogs, z, u, span, body, pad, cols, command, count, width, marks)
 
     ``marks[2]`` keeps the least distance to a corner; below 0 where one is passed.
     """
-    if cogs is None:
+    if cogs is None or not len(cogs):
         return
     left = span
     slope = slope_at(z[0], cogs)
@@ -109,7 +109,7 @@ def cog_columns(cogs, z, u, span, body, pad, cols, command, count, width, marks)
 
 def cog_chart(cogs, z, u, span, body, pad, rows, pieces):
     """As `trace.chart`, from corner to corner; modes are by the sign of the speed `STABLE` or `UNSTABLE`, 0 held."""
-    if cogs is None:
+    if cogs is None or not len(cogs):
         return rows
     n = body.order
     left = span

@@ -6,8 +6,8 @@ it jumps; but detents of shape sine bend. A part gives its torque, its slope, ho
 a knee or a step, the largest slope that it has up to there, and the size of what its torque is made of. Units are those
 of `engine.loop`; the wall is not in it.
 
-The compiler makes code of its own for scenes without a curve, in which nothing of this is left: a curve that is None is
-known by its type.
+The compiler makes code of its own for scenes without any part of this kind, in which nothing of this is left: a curve
+that is None is known by its type. Beside other such parts it is empty (`search.as_compiled`).
 """
 
 from math import cos, pi, sin
@@ -26,7 +26,9 @@ NEVER = float("inf")
 
 def has_curve(curve):
     """Whether there is a curve."""
-    return curve is not None
+    if curve is None:
+        return False
+    return bool(len(curve))
 
 
 def point_below(at, curve):
@@ -129,7 +131,7 @@ def curve_at(x, curve):
     Within the room the slope stays as it is, unless detents of shape sine bend it (`bend_of`), and is never larger than
     the steepest.
     """
-    if curve is None:
+    if curve is None or not len(curve):
         return 0.0, 0.0, NEVER, 0.0, 0.0
     u, slope, room, steepest, size = profile_at(x, curve)
     for part in (detents_at(x, curve), stops_at(x, curve), zone_at(x, curve)):
@@ -148,7 +150,7 @@ def curve_torque(x, curve):
 
 def bend_of(curve):
     """The most by which a slope changes along an angle, within its room: of detents of shape sine; else 0."""
-    if curve is None:
+    if curve is None or not len(curve):
         return 0.0
     if curve[SHAPE] != SINE:
         return 0.0
@@ -158,7 +160,7 @@ def bend_of(curve):
 
 def rounded_size(x, curve):
     """Size of what a torque is computed from: of its parts, and of the angle, as torque on the steepest slope."""
-    if curve is None:
+    if curve is None or not len(curve):
         return 0.0
     _, _, _, steepest, size = curve_at(x, curve)
     return size + steepest * (abs(x) + curve[FAR])
@@ -169,7 +171,7 @@ def place_at(x, curve):
 
     Detents have one each; else knees and steps divide places.
     """
-    if curve is None:
+    if curve is None or not len(curve):
         return 0.0
     place = 0.0
     count = int(curve[POINTS])

@@ -6,8 +6,8 @@ nothing changes. Beyond its ends the table repeats itself every turn, each time 
 the way round, what a spring adds for end stops. Two motions with the same counts, or in the same runs, get the same
 commands. Units are those of `engine.loop`.
 
-The compiler makes code of its own for scenes without a table, in which nothing of this is left: a table that is None is
-known by its type.
+The compiler makes code of its own for scenes without any part of this kind, in which nothing of this is left: a table
+that is None is known by its type. Beside other such parts it is empty (`search.as_compiled`).
 """
 
 from hknob_cli.engine.loop import floor
@@ -18,7 +18,9 @@ HEAD = 4
 
 def is_there(table):
     """Whether there is a table."""
-    return table is not None
+    if table is None:
+        return False
+    return bool(len(table))
 
 
 def locate(shown, table):
@@ -36,7 +38,7 @@ def locate(shown, table):
 
 def command_at(shown, table):
     """Command at a count; 0 without a table."""
-    if table is None:
+    if table is None or not len(table):
         return 0.0
     place, turns = locate(shown, table)
     return table[HEAD + place] + turns * (table[RISE_BELOW] if turns < 0.0 else table[RISE_ABOVE])
@@ -44,7 +46,7 @@ def command_at(shown, table):
 
 def run_at(shown, table):
     """Lowest and highest count of the run that a count is in; infinite where it does not end, or without a table."""
-    if table is None:
+    if table is None or not len(table):
         return -float("inf"), float("inf")
     place, turns = locate(shown, table)
     size = (len(table) - HEAD) // 3

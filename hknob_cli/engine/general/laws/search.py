@@ -12,7 +12,7 @@ from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.ensemble import Batch, TrialSpace
 from hknob_cli.engine.general.laws import parting, step, trials
 from hknob_cli.engine.general.laws.law import Law
-from hknob_cli.engine.general.search import GeneralEngine
+from hknob_cli.engine.general.search import GeneralEngine, as_compiled
 from hknob_cli.engine.general.torque_range import TorqueRange, torque_range
 
 
@@ -65,10 +65,16 @@ class LawEngine(GeneralEngine):
         filled = (np.array(value, dtype=np.float64) if isinstance(value, list) else value for value in law)
         return Law._make(filled)._replace(act=compiled_law(law.act))
 
+    def law_beside(self, body: Any) -> Law:
+        """The law, the wall that it watches with the same parts as the loop's."""
+        if not self.compiled:
+            return self._law
+        return self._law._replace(watch=as_compiled(body, self._law.watch)[1])
+
     def _run_with_law(
         self, start: Any, batch: Batch, budget: TrialBudget, trial: TrialSpace, body: Any, wall: Any
     ) -> Any:
-        return self._trials(start, batch, budget, trial, body, wall, self._law)
+        return self._trials(start, batch, budget, trial, body, wall, self.law_beside(body))
 
     def _part_with_law(
         self, state: Any, before: float, past: Any, samples: int, body: Any, wall: Any, space: Any
@@ -76,10 +82,10 @@ class LawEngine(GeneralEngine):
         del before
         if wall.analog > 0.0:
             return nan  # what a law remembers of a continuous sensor's readings parts, too
-        return float(self._rate(state, past, samples, body, wall, self._law, space))
+        return float(self._rate(state, past, samples, body, wall, self.law_beside(body), space))
 
     def _chart_with_law(
         self, state: Any, before: float, past: Any, period: int, body: Any, wall: Any, *rest: Any
     ) -> Any:
         del before
-        return self._pieces(state, past, period, body, wall, self._law, *rest)
+        return self._pieces(state, past, period, body, wall, self.law_beside(body), *rest)
