@@ -11,9 +11,9 @@ AT_ONCE = 1e-290  # time in which a velocity vanishes that is none: the formulas
 
 
 def coefficients(t, body):
-    """Coefficients (S, G, F) over a time ``t`` up to a sample period, as `propagator.hold_coefficients`."""
+    """Coefficients (S, G, F) over a time ``t``, as `propagator.hold_coefficients`: up to a sample period by a series."""
     n = body.terms
-    if n == 0:
+    if n == 0 or t > 1.0:
         return hold_coefficients(body.alpha, body.beta, t)
     s, g = 0.0, 0.0
     for k in range(n - 1, -1, -1):

@@ -11,6 +11,7 @@ from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller, command, read
 from hknob_cli.engine.general.inner_region import come_to_rest, hold_zone, keeps_reading, stands
 from hknob_cli.engine.general.search import GeneralEngine, make_space
+from hknob_cli.engine.general.slide_two import step_with_friction
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.scene.general_knob import GeneralKnob, make_body
 from hknob_cli.specs.scene import SceneSpec
@@ -297,3 +298,27 @@ def test_a_motion_stands_only_where_not_a_bit_changes() -> None:
     assert stands([-0.5, 0.0], 0.0, [], 0, one, WALL, space)
     assert not stands([-0.5, 1e-300], 0.0, [], 0, one, WALL, space)
     assert not stands([0.5, 0.0], 0.0, [], 0, one, WALL, space)
+
+
+SLOW = {  # of a first count the wall's torque hardly moves the knob against friction: it creeps for 27 samples
+    "knob": {"inertia": 5.4e-6, "damping": 6.3e-5, "coulomb_torque": 0.002},
+    "hand": {"inertia": 5.6e-7, "damping": 7.7e-4, "stiffness": 0.034},
+    "bias": {"torque": 0.0013},
+}
+
+
+@pytest.mark.parametrize("over", [1e-6, 1e-4, 1e-2, 1.0])
+@pytest.mark.parametrize("speed", [0.0, 7e-5, -0.1])
+def test_an_end_is_where_the_samples_lead_though_a_turn_is_many_samples_away(over: float, speed: float) -> None:
+    """A scene's body has the series of one sample, which says nothing of 27 of them."""
+    one = knob(250.0, **SLOW).body
+    assert one.terms > 0
+    assert one.spacing > 20.0
+    u = one.beta * -0.04 - one.drive + one.friction * (1.0 + over)
+    orbit = [0.0, 0.0]
+    come_to_rest([-0.04, speed], 0.0, u, one, WALL, orbit)
+    x, v = -0.04, speed
+    for _ in range(400):
+        x, v = step_with_friction(x, v, u, 1.0, one.s2, one.g2, one.f2, one)
+    assert v == 0.0
+    assert orbit[0] == pytest.approx(x, abs=1e-12)
