@@ -136,7 +136,8 @@ def validate_remedies(source: Source) -> RemediesPlan:
             faults += error.faults
             continue
         _, grid, cases = found[0]
-        faults += [source.fault(here, text, at_key=True) for text in _misfit(grid, cases, axes)]
+        known = axes or set(grid.axes)  # a base that is wrong has not been resolved
+        faults += [source.fault(here, text, at_key=True) for text in _misfit(grid, cases, known)]
         if faults:
             continue
         remedies.append(

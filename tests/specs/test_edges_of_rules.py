@@ -4,23 +4,34 @@ from math import pi
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
 from hknob_cli.errors import SpecError, UsageError
 from hknob_cli.specs import cells
+from hknob_cli.specs import size_limit as limits_of_size
 from hknob_cli.specs.campaign import HwRunPlan
+from hknob_cli.specs.capabilities import PARTS as PARTS_OF_TABLE
 from hknob_cli.specs.conditions import BEST_ESTIMATOR, ChoiceError, narrowed
+from hknob_cli.specs.driven import limited
+from hknob_cli.specs.electrical import _is_there
 from hknob_cli.specs.find_people import _drawn
-from hknob_cli.specs.load import load, load_text, validate
+from hknob_cli.specs.identification import ColumnPlan, SysidPlan
+from hknob_cli.specs.load import load, load_pipeline, load_text, validate
+from hknob_cli.specs.motor import Cogging
 from hknob_cli.specs.over_angle import ways_round
 from hknob_cli.specs.parquet import opened
 from hknob_cli.specs.parts import Bias
 from hknob_cli.specs.parts_there import parts_of
-from hknob_cli.specs.people import Spread
+from hknob_cli.specs.people import Spread, draw
+from hknob_cli.specs.perception import Background, Hearing, Perceive
+from hknob_cli.specs.pipeline import validate_pipeline
 from hknob_cli.specs.plan import (
+    RATE,
     Actuator,
+    BenchPlan,
     Controller,
     Encoder,
     Finger,
@@ -29,14 +40,22 @@ from hknob_cli.specs.plan import (
     Knob,
     Points,
     Scene,
+    SweepPlan,
     Wall,
+    may_roam,
 )
 from hknob_cli.specs.population import PopulationSpec
+from hknob_cli.specs.promise import not_proven
 from hknob_cli.specs.remedies import RemediesPlan
 from hknob_cli.specs.size_limit import VARIABLE, size_limit
 from hknob_cli.specs.source import parse
+from hknob_cli.specs.starts import StartsSpec, kind_of_starts
 from hknob_cli.specs.sysid import MOST_TRIALS
+from hknob_cli.specs.unit_points import UnitPoints
+from hknob_cli.specs.usual import USUAL, _text, unusual
+from hknob_cli.specs.virtual_apparatus import VirtualSpec
 from tests.conftest import ROOT, SPEC
+from tests.hardware.campaigns import REMEDIES, planned
 from tests.hardware.campaigns import SPEC as BENCH
 from tests.specs.test_remedies import TRIAL
 
@@ -112,6 +131,10 @@ CAMPAIGNS: dict[str, tuple[str, str]] = {
     "the slowest rate": (BENCH.replace("[1000, 2000]", "[1]"), ""),
     "slower": (BENCH.replace("[1000, 2000]", "[0.5]"), "grid.sample_rate_hz[0]: must be 1 to 1000000 Hz, got 0.5"),
     "the fastest rate": (BENCH.replace("[1000, 2000]", "[1000000]"), ""),
+    "a trial as long as settling and the least buzz": (BENCH.replace("longest: 2", "longest: 0.15"), ""),
+    "a shorter trial": (
+        BENCH.replace("longest: 2", "longest: 0.14"), "trial.longest: must be >= 0.15, settle and the least buzz, got",
+    ),
     "faster": (BENCH.replace("[1000, 2000]", "[1000001]"), "grid.sample_rate_hz[0]: must be 1 to 1000000 Hz"),
     "a watchdog of two samples": (SERIAL + "limits: {watchdog: 0.002}\n", ""),
     "a watchdog of less": (
@@ -217,13 +240,44 @@ def test_a_bias_is_either() -> None:
 SCENE = Scene(Knob(1.9e-6), Wall(0.27), encoder=Encoder())
 IMPULSE = Controller("impulse_damping")
 PARTS: dict[str, tuple[Scene, set[str], set[str]]] = {
-    "nothing": (SCENE, {"handless", "unpushed", "undamped", "unheld"}, {"friction", "pulses", "knob_model", "delay"}),
+    "nothing": (
+        SCENE,
+        {"handless", "unpushed", "undamped", "unheld"},
+        set(PARTS_OF_TABLE) - {"handless", "unpushed", "undamped", "unheld"},
+    ),
+    "an encoder with all there is to it": (
+        SCENE._replace(encoder=Encoder("nearest", 1.0, 1.0, 1.0)),
+        {"rounding", "offset", "hysteresis", "backlash"}, set(),
+    ),
+    "an amplifier with all there is to it": (
+        SCENE._replace(actuator=Actuator(1.0, 1.0, 1.0, 1.0, 1.0)),
+        {"delay", "lag", "torque_limit", "torque_step", "dead_band"}, set(),
+    ),
     "friction": (SCENE._replace(knob=Knob(1.9e-6, coulomb_torque=1e-4)), {"friction"}, {"undamped"}),
     "a delay": (SCENE._replace(actuator=Actuator(delay_samples=1.0)), {"delay"}, {"lag"}),
     "a finger held through its pad": (
         SCENE._replace(hand=Hand(finger=Finger(1e-6, stiffness=0.1), fingerpad=Fingerpad(stiffness=0.2))),
         {"finger"}, {"unheld", "handless"},
     ),
+    "a knob as damped as its finger": (
+        SCENE._replace(
+            knob=Knob(1.9e-6, damping=1e-3), hand=Hand(finger=Finger(1e-6, damping=1e-3), fingerpad=Fingerpad())
+        ),
+        {"finger", "knob_damping"}, {"undamped"},
+    ),
+    "a finger that nothing holds": (
+        SCENE._replace(hand=Hand(finger=Finger(1e-6), fingerpad=Fingerpad(stiffness=1.0))), {"unheld"}, set(),
+    ),
+    "a finger held by a pad of 1 N*m/rad": (
+        SCENE._replace(hand=Hand(finger=Finger(1e-6, stiffness=0.1), fingerpad=Fingerpad(stiffness=1.0))),
+        {"finger"}, {"unheld"},
+    ),
+    "two readings in an interval": (
+        SCENE._replace(controller=Controller("bounded_lag", detections=2)), {"several_readings"}, set(),
+    ),
+    "a push without a wall": (SCENE._replace(wall=Wall(0.0), bias=Bias(0.001)), {"bias", "unpushed"}, set()),
+    "a push into a wall": (SCENE._replace(bias=Bias(0.001)), {"bias"}, {"unpushed"}),
+    "cogging of no torque": (SCENE._replace(cogging=Cogging(7, 0.0)), set(), {"cogging"}),
     "a whole pulse": (SCENE._replace(controller=IMPULSE._replace(pulse=1.0)), {"controller"}, {"pulses", "knob_model"}),
     "a short pulse": (SCENE._replace(controller=IMPULSE._replace(pulse=0.9)), {"pulses"}, {"knob_model"}),
     "a short pulse of another kind": (
@@ -268,6 +322,48 @@ def test_squeeze_without_a_hand() -> None:
     assert "scene.squeeze: must be absent where the hand has no table: it is of one grip" in wrong(text)
 
 
+@pytest.mark.parametrize(
+    ("given", "key", "other"),
+    [("angle: 0.02, velocity: [-1, 1]", "angle", 0.02), ("angle: [0, 1], velocity: 2", "velocity", 2)],
+)
+def test_one_range_of_starts_beside_a_recording(given: str, key: str, other: float) -> None:
+    assert wrong(SPEC.replace("angle: 0.02, phases: 8", given) + "record: {duration: 0.1}\n") == [
+        f"starts.{key}: must be a range, [least, largest], as the other one is, got {other:g}",
+        "record: must be absent where starts are a range: a recording begins at one start",
+    ]
+
+
+def test_a_map_without_a_hand_is_what_has_to_go() -> None:
+    text = SPEC.replace(HAND, "").replace("angle: 0.02, phases: 8", "angle: [-0.1, 0.1], velocity: [-1, 1]")
+    assert wrong(text) == []
+    assert wrong(text + "basins: {points: 10}\n") == [
+        "basins: must be absent without a hand: nothing bounds how far motions part"
+    ]
+
+
+def test_rows_of_a_recording_count_those_between_samples() -> None:
+    """20 s with 2,000 rows a second at the samples, and as many beside them as ``interval`` says."""
+    text = SPEC + "record: {duration: 20, interval: INTERVAL}\n"
+    assert wrong(text.replace("INTERVAL", "3.0e-5")) == []
+    assert wrong(text.replace("INTERVAL", "2.0e-5")) == [
+        "record.duration: must be shorter, or interval longer: 1e+06 rows would be recorded, at most 1000000"
+    ]
+
+
+def test_rows_of_a_recording_are_those_of_each_rate() -> None:
+    """Of a grid some 2 * (1000 + 4000) / 2 a second; of a design as many as at the highest rate."""
+    text = SPEC.replace("[1000]", "[1000, 4000]") + "record: {duration: 80, interval: 1.0}\n"
+    assert wrong(text) == []
+    design = text.replace("[1000, 4000]", "[1000, 4000]\n  design: {sobol: 2, seed: 1}")
+    assert [one.split(":")[0] for one in wrong(design)] == ["record.duration"]
+
+
+def test_the_largest_map() -> None:
+    text = SPEC.replace("angle: 0.02, phases: 8", "angle: [-0.1, 0.1], velocity: [-1, 1]")
+    assert wrong(text + "basins: {points: 1000}\n") == []
+    assert [one.split(":")[0] for one in wrong(text + "basins: {points: 1001}\n")] == ["basins.points"]
+
+
 def test_starts_of_a_sweep_are_looked_at() -> None:
     assert [one.split(":")[0] for one in wrong(SPEC.replace("phases: 8", "random: 8"))] == ["starts.random"]
     assert wrong(SPEC.replace("{angle: 0.02, phases: 8}", "anywhere")) == []
@@ -295,7 +391,8 @@ def velocity(text: str, **axes: str) -> list[str]:
     """Faults of a controller that damps with a velocity."""
     controller = f"\n  controller: {{kind: velocity_damping, damping: 1e-4, {text}}}"
     grid = "".join(f"\n  {key.replace('__', '.')}: {value}" for key, value in axes.items())
-    return wrong(SPEC.replace("{stiffness: 0.27}", "{stiffness: 0.27}" + controller).replace("[1024]", "[1024]" + grid))
+    text = SPEC.replace("  sample_rate_hz: [1000]\n", "") if RATE in axes else SPEC
+    return wrong(text.replace("{stiffness: 0.27}", "{stiffness: 0.27}" + controller).replace("[1024]", "[1024]" + grid))
 
 
 def test_windows_and_bandwidths_of_a_velocity() -> None:
@@ -303,8 +400,15 @@ def test_windows_and_bandwidths_of_a_velocity() -> None:
     assert velocity("velocity: adaptive, window: 1")[0].startswith("scene.controller.window: ")
     assert velocity("velocity: tracking, bandwidth: 499") == []
     assert velocity("velocity: tracking, bandwidth: 100", controller__bandwidth="[100, 499]") == []
+    assert velocity("velocity: tracking", controller__bandwidth="[100, 499]") == []
     assert velocity("velocity: tracking, bandwidth: 100", controller__bandwidth="[100, 500]")[0].startswith(
         'grid["controller.bandwidth"]: must be < 500 rad/s at 1000 Hz, got 500'
+    )
+    assert velocity("velocity: tracking, bandwidth: 500", sample_rate_hz="[1000, 4000]")[0].startswith(
+        "scene.controller.bandwidth: must be < 500 rad/s at 1000 Hz, got 500"
+    )
+    assert velocity("velocity: differenced", controller__bandwidth="[2, 3]")[0].startswith(
+        'grid["controller.bandwidth"]: must be absent where velocity is differenced: it is of velocity: tracking'
     )
 
 
@@ -327,3 +431,305 @@ def test_remedies_act_at_a_rate_and_on_counts(scene: str, grid: str) -> None:
                          "knob: {inertia: 1.9e-6}, wall: {stiffness: 0.27}}\n")  # fmt: skip
     text = text.replace("{sample_rate_hz: [1000], counts_per_rev: [1024]}", grid)
     assert wrong(text) == ["base.scene: must be sampled, and have an encoder: remedies act at a sample rate, on counts"]
+
+
+def test_a_torque_that_runs_straight_between_samples_does_not_settle() -> None:
+    text = SYSID.format(what="hand", more="recordings: [a.csv]\nsettling_time_constant: 0.003")
+    assert wrong(text) == []
+    assert wrong(text + "torque_between_samples: linear\n") == [
+        "settling_time_constant: must be 0 where the torque between samples is linear"
+    ]
+
+
+def test_keys_that_contradict_are_pointed_at() -> None:
+    text = SYSID.format(what="hand", more="virtual: {}\nagainst: there")
+    with pytest.raises(SpecError) as raised:
+        load_text(text, "spec.yaml")
+    assert [(fault.line, fault.column) for fault in raised.value.faults] == [(5, 1)]
+
+
+def test_a_sampled_scene_needs_a_rate() -> None:
+    assert wrong(SPEC.replace("  sample_rate_hz: [1000]\n", "")) == ["grid.sample_rate_hz: missing, and required"]
+
+
+def test_a_grid_without_a_form() -> None:
+    assert wrong(SPEC.replace("[1024]", "{}")) == ["grid.counts_per_rev.log: missing, and required"]
+
+
+def test_an_axis_of_the_grid_is_overridden_by_its_path() -> None:
+    plan = load_text(SPEC, "spec.yaml", ("grid.wall.stiffness=[0.1, 0.2]",))
+    assert isinstance(plan, SweepPlan)
+    assert plan.axes["wall.stiffness"] == [0.1, 0.2]
+
+
+def test_a_design_of_the_grid_is_overridden() -> None:
+    plan = load_text(SPEC, "spec.yaml", ("grid.design={sobol: 8, seed: 1}", "grid.wall.stiffness.lin=[0.1, 0.2]"))
+    assert isinstance(plan, SweepPlan)
+    assert plan.points == Points("sobol", 8, 1, {"wall.stiffness": "lin"})
+
+
+def test_cogging_of_one_torque_or_of_a_grid_may_keep_trials_from_repeating() -> None:
+    for torque, axis, roams in (("0", "", False), ("1e-4", "", True), ("0", "\n  cogging.torque: [0, 1e-4]", True)):
+        text = SPEC.replace("  bias:", f"  cogging: {{torque: {torque}, per_revolution: 7}}\n  bias:")
+        plan = load_text(text.replace("[1024]", f"[1024]{axis}"), "spec.yaml")
+        assert isinstance(plan, SweepPlan)
+        assert may_roam(plan) is roams
+
+
+def test_a_limit_beside_a_supply_voltage_is_a_fault_and_another_actuator_is_not() -> None:
+    motor = "motor: {torque_constant: 0.0234, resistance: 12.3, winding: voltage, supply_voltage: 1.2}\n"
+    assert wrong(f"{BENCH}{motor}actuator: {{delay_samples: 1}}\n") == []
+    assert wrong(f"{BENCH}{motor}actuator: {{torque_limit: 0.1}}\n") == [
+        "actuator.torque_limit: must be absent beside motor.supply_voltage: Kt V/R is the limit"
+    ]
+
+
+def test_scenes_of_a_benchmark() -> None:
+    text = (
+        "kind: bench\nname: b\nbase:\n  scene: {knob: {inertia: 1.9e-6}, wall: {stiffness: 0.27}}\n"
+        "  sample_rate_hz: 2000\n  counts_per_rev: 1024\n  duration: 0.12\n"
+        "scenes: {plain: {}, bare: {scene: {encoder: none}}}\n"
+    )
+    plan = load_text(text, "spec.yaml")
+    assert isinstance(plan, BenchPlan)
+    assert [(one.name, one.counts_per_rev, one.samples) for one in plan.scenes] == [
+        ("plain", 1024, 240), ("bare", None, 240),
+    ]  # fmt: skip
+
+
+def test_values_of_a_spec_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The mapping, and four times a list of six, which is written once."""
+    text = "a: &list [1, 2, 3, 4, 5, 6]\nb: *list\nc: *list\nd: *list\n"
+    monkeypatch.setattr(limits_of_size, "_VALUES", 29)
+    assert sum(map(len, parse(text, "spec.yaml").value.values())) == 24
+    monkeypatch.setattr(limits_of_size, "_VALUES", 28)
+    with pytest.raises(SpecError, match="more than 28 keys and values"):
+        parse(text, "spec.yaml")
+
+
+def test_all_but_friction_may_be_known() -> None:
+    known = "recordings: [a.csv]\nfix: {inertia: 1e-6, damping: 1e-4, stiffness: 0.1}"
+    text = SYSID.format(what="hand", more=known)
+    assert wrong(text) == ["fix: must leave a parameter to identify"]
+    assert wrong(text.replace("output_error", "output_error_friction")) == []
+
+
+def test_keys_that_virtual_recordings_do_not_have_are_pointed_at() -> None:
+    with pytest.raises(SpecError) as raised:
+        load_text(SYSID.format(what="hand", more="virtual: {}\nlimits: {}"), "spec.yaml")
+    assert [(fault.key, fault.line, fault.column) for fault in raised.value.faults] == [("limits", 5, 1)]
+
+
+def test_what_a_remedy_on_a_knob_must_not_change_is_pointed_at() -> None:
+    text = BENCH + REMEDIES.replace("  softer", "  faster: {change: {grid: {}}}\n  softer") + "reference: plain wall\n"
+    with pytest.raises(SpecError) as raised:
+        load_text(text, "spec.yaml")
+    assert [(fault.line, fault.column) for fault in raised.value.faults] == [(8, 21)]
+
+
+def test_a_kind_that_is_no_word_has_no_keys_to_override() -> None:
+    assert wrong("kind: [sweep]\n", "name=a")[0].startswith("kind: must be one of: ")
+
+
+def test_an_override_of_a_stage_is_by_its_path(tmp_path: Path) -> None:
+    (tmp_path / "pages.yaml").write_text("kind: pipeline\nname: p\nstages: {knob: {spec: knob.yaml}}\n")
+    plan = load_pipeline(tmp_path / "pages.yaml", ("stages.knob.set.scene.wall.stiffness=0.3",))
+    assert plan.stages["knob"].settings == ("scene.wall.stiffness=0.3",)
+
+
+def test_a_remedy_without_an_encoder_is_said_once() -> None:
+    text = TRIAL.replace("controller: {kind: bounded_lag}", "encoder: none")
+    assert wrong(text) == ["remedies.lag.change: must leave a sample clock and an encoder"]
+
+
+def test_a_campaign_without_a_grip_cell_has_no_grip() -> None:
+    assert planned(BENCH + "grip: none\n").course.grip is None
+
+
+def test_a_grip_that_is_wrong_within_is_said_to_be_wrong_there() -> None:
+    assert wrong(BENCH + "grip: {target: -1}\n") == ["grip.target: must be > 0, got -1"]
+
+
+def test_a_lag_of_the_winding_or_of_the_current_loop_is_the_lag() -> None:
+    for winding, key in (("voltage, inductance: 1.0e-3", "inductance"), ("current, bandwidth: 100", "bandwidth")):
+        motor = f"motor: {{torque_constant: 0.0234, resistance: 12.3, winding: {winding}}}\n"
+        assert wrong(f"{BENCH}{motor}nuisances: {{amplifier: 1.0e-3}}\n") == [
+            f"nuisances.amplifier: must be absent beside motor.{key}, which is the lag"
+        ]
+        assert wrong(f"{BENCH}{motor}nuisances: {{jitter: 1.0e-6}}\n") == []
+
+
+@pytest.mark.parametrize(
+    ("own", "motor", "found"), [(0.01, 0.1, 0.01), (0.1, 0.01, 0.01), (None, 0.1, 0.1), (0.1, None, 0.1)]
+)
+def test_the_lower_limit_of_torque_holds(own: float | None, motor: float | None, found: float) -> None:
+    assert limited(Actuator(torque_limit=own), motor).torque_limit == found
+    assert motor is None or limited(None, motor).torque_limit == motor
+    assert limited(Actuator(delay_samples=1.0, torque_limit=own), motor).delay_samples == 1.0
+
+
+def test_a_benchmark_needs_counts() -> None:
+    text = (
+        "kind: bench\nname: b\nbase:\n  scene: {knob: {inertia: 1.9e-6}, wall: {stiffness: 0.27}}\n"
+        "  sample_rate_hz: 2000\n  duration: 0.12\nscenes: {plain: {}}\n"
+    )
+    assert wrong(text) == ["scenes.plain.counts_per_rev: missing, and required"]
+
+
+def test_what_a_scene_of_a_benchmark_changes_is_wrong_there() -> None:
+    text = (
+        "kind: bench\nname: b\nbase:\n"
+        "  scene: {knob: {inertia: 1.9e-6}, wall: {stiffness: 0.27}, bias: {half_quantum: true}}\n"
+        "  sample_rate_hz: 2000\n  counts_per_rev: 1024\n  duration: 0.12\nscenes: {bare: {scene: {encoder: none}}}\n"
+    )
+    said = "scene.bias.half_quantum: must not be given where encoder is none: there is no count"
+    assert wrong(text)[-1] == f"base.{said}"
+    own = text.replace("encoder: none}", "encoder: none, bias: {half_quantum: true}}")
+    assert wrong(own)[-1] == f"scenes.bare.{said}"
+
+
+def test_a_noise_masks_what_has_a_level() -> None:
+    noise = Hearing(background=Background(60.0))
+    assert Perceive(0.02, hearing=noise, sound_gain=1.0).wrong() == ""
+    assert Perceive(0.02, hearing=noise).wrong().startswith("hearing.background: must be absent without sound_gain")
+
+
+def test_a_frequency_out_of_order_is_named_by_its_number() -> None:
+    said = Perceive(0.02, sound_response=((10.0, 1.0), (100.0, 1.0), (50.0, 1.0))).wrong()
+    assert said == "sound_response: frequencies must increase, got 50 after 100 (point 3)"
+
+
+def test_what_is_usual_is_not_warned_of() -> None:
+    assert unusual(load_text(SPEC, "spec.yaml")) == []
+    most = SPEC.replace("  bias:", "  actuator: {torque_limit: 10}\n  bias:")
+    assert unusual(load_text(most, "spec.yaml")) == []
+    said = _text("hand.inertia", -1.5, USUAL["hand.inertia"])  # of a file, without its apparatus
+    assert said.startswith("warning: hand.inertia: -1.5 kg*m^2 is unusually large; ")
+
+
+@pytest.mark.parametrize("value", ["-1", ".nan", ".inf", "heavy"])
+def test_a_constant_column_that_is_no_number(value: str) -> None:
+    text = SYSID.format(what="hand", more=f"recordings: [a.csv]\ncolumns: {{grip_target_n: {{value: {value}}}}}")
+    (said,) = wrong(text)
+    assert said.startswith("columns.grip_target_n.value: must be a number >= 0, got ")
+
+
+def test_a_range_without_a_design_lacks_its_count() -> None:
+    for form in ("log", "lin"):
+        assert wrong(SPEC.replace("[1000]", f"{{{form}: [100, 1000]}}"))[0].startswith(
+            f"grid.sample_rate_hz.{form}[2]: missing, and required: {{{form}: [first, last, count]}}; "
+        )
+
+
+def test_detents_of_a_campaign_take_the_place_of_its_wall() -> None:
+    detents = "detents: {per_revolution: 12, torque: 0.01}\n"
+    assert planned(BENCH + detents).first.wall.stiffness == 0.0
+    assert planned(BENCH + detents + "wall: {stiffness: 0.3}\n").first.wall.stiffness == 0.3
+
+
+def test_what_goes_with_remedies_alone() -> None:
+    more = "reference: plain wall\nagainst: there\nhand: pinch\n"
+    keys = ("reference", "against", "hand")
+    assert wrong(BENCH + more) == [f"{key}: must be absent without remedies" for key in keys]
+    assert wrong(BENCH + REMEDIES + more) == []
+
+
+def test_an_actuator_of_a_device_gives_a_torque() -> None:
+    assert wrong(BENCH + "actuator: {torque_limit: 1.0}\n") == []
+    assert wrong(BENCH + "actuator: {torque_limit: 0}\n") == ["actuator.torque_limit: must be > 0 on a device"]
+
+
+def test_a_spec_that_is_not_to_be_from_a_preset() -> None:
+    source = parse(SPEC.replace("  knob:", "  from: smartknob\n  knob:"), "spec.yaml")
+    with pytest.raises(SpecError, match=r"scene\.from: unknown key"):
+        validate(source, presets=False)
+
+
+def test_a_kind_that_there_is_not_has_no_keys_to_override() -> None:
+    assert wrong("kind: sweeep\n", "name=a")[0].endswith("did you mean 'sweep'?")
+
+
+@pytest.mark.parametrize(
+    ("starts", "kind"),
+    [
+        (StartsSpec(), "one"),
+        (StartsSpec(phases=8), "phases"),
+        (StartsSpec(angle=(0.0, 1.0), velocity=(0.0, 1.0)), "ranges"),
+        ("anywhere", "anywhere"),
+    ],
+)
+def test_kinds_of_starts(starts: StartsSpec | str, kind: str) -> None:
+    assert kind_of_starts(starts) == kind
+
+
+def test_what_a_virtual_apparatus_is_told_is_kept() -> None:
+    spec = VirtualSpec.model_validate({"rig": {"ideal": True}, "input": {"kind": "step", "duration": 0.05}})
+    plan = spec.plain()
+    assert plan.ideal
+    assert "ideal" not in plan.rig
+    assert plan.input is not None
+    assert VirtualSpec().plain().input is None
+
+
+def test_people_of_a_mean_above_0_are_drawn_without_the_apparatus() -> None:
+    spread = Spread((3e-7, 3e-4, 0.04), (1e-7, 1e-4, 0.01))
+    hands, said = _drawn(spread, PopulationSpec(table=1, grip_n=0.71, people=3, seed=1), 1e-6)
+    assert (hands, said) == (draw(spread, people=3, seed=1), ())
+
+
+def test_a_filter_without_a_sample_rate_is_not_looked_at() -> None:
+    text = SPEC.replace("  sample_rate_hz: [1000]\n", "").replace(
+        "grid:", "  controller: {kind: velocity_damping, damping: 1e-4, velocity: tracking, bandwidth: 100}\ngrid:"
+    )
+    assert wrong(text) == ["grid.sample_rate_hz: missing, and required"]
+
+
+def test_which_lag_excludes_another() -> None:
+    for winding, said in (
+        ("voltage, inductance: 1.0e-3", "motor.inductance: L/R of the winding is the lag"),
+        ("current, bandwidth: 100", "motor.bandwidth: the current loop is the lag"),
+    ):
+        motor = f"  motor: {{torque_constant: 0.0234, resistance: 12.3, winding: {winding}}}\n"
+        text = SPEC.replace("grid:", motor + "  actuator: {time_constant: 1.0e-3}\ngrid:")
+        assert wrong(text) == [f"scene.actuator.time_constant: must be absent beside {said}"]
+
+
+def test_a_column_keeps_its_name_where_its_unit_is_another() -> None:
+    text = SYSID.format(what="hand", more="recordings: [a.csv]\ncolumns: {torque_nm: {unit: mN*m}}")
+    plan = load_text(text, "spec.yaml")
+    assert isinstance(plan, SysidPlan)
+    assert plan.columns["torque_nm"] == ColumnPlan("torque_nm", 1e-3)
+
+
+def test_what_the_last_cell_has_is_told() -> None:
+    text = SPEC.replace("  bias:", "  cogging: {per_revolution: 7}\n  bias:")
+    plan = load_text(text.replace("[1024]", "[1024]\n  cogging.torque: [0, 1.0e-4]"), "spec.yaml")
+    assert isinstance(plan, SweepPlan)
+    assert not_proven(plan) == ["what is found may stay unproven: the scene has cogging torque"]
+
+
+def test_two_pushes_are_two() -> None:
+    assert wrong(TRIAL + "press: {torques: [0.001, 0.002]}\n") == []
+    assert wrong(TRIAL + "press: {torques: [0.002, 0.002]}\n") == [
+        "press.torques: must be two pushes, the smaller first"
+    ]
+    assert wrong(TRIAL + "reference: none\n") == ["reference: must be one of remedies (plain wall, lag), got 'none'"]
+
+
+@pytest.mark.parametrize("value", [np.array([0.0, 1.0]), np.array([1.0, 2.0]), 1.0])
+def test_a_lag_of_any_cell_is_there(value: Any) -> None:
+    assert _is_there(value) is True
+    assert _is_there(0.0 * value) is False
+
+
+def test_a_stage_of_a_folder_sets_nothing() -> None:
+    stage = "kind: pipeline\nname: p\nstages: {hand: {folder: there}}\n"
+    source = parse(stage, "spec.yaml")
+    assert validate_pipeline(source).stages["hand"].folder == Path("there")
+    with pytest.raises(SpecError, match="must have either spec"):
+        validate_pipeline(parse(stage.replace("there", "there, set: {name: a}"), "spec.yaml"))
+
+
+def test_points_in_no_order_are_none() -> None:
+    for dimensions in (0, 2):
+        assert UnitPoints("random", count=5, dimensions=dimensions, seed=1).run(4, 1).shape == (0, dimensions)

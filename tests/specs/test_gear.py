@@ -7,8 +7,11 @@ import pytest
 
 from hknob_cli.errors import SpecError
 from hknob_cli.specs.bench import merged
+from hknob_cli.specs.gear import Gear
+from hknob_cli.specs.geared import ungeared
 from hknob_cli.specs.load import validate
-from hknob_cli.specs.plan import COUNTS, RATE, Plan, SweepPlan, knob_counts, scene_at
+from hknob_cli.specs.motor import Cogging
+from hknob_cli.specs.plan import COUNTS, RATE, Knob, Plan, Scene, SweepPlan, Wall, knob_counts, scene_at
 from hknob_cli.specs.source import Source
 from hknob_cli.stages.dfa.run import DfaStage
 from hknob_cli.stages.predict.run import predict
@@ -176,3 +179,9 @@ def test_torque_over_the_angle_goes_behind_a_gear_without_counts() -> None:
 )
 def test_what_does_not_go_with_a_gear_is_a_fault(changes: tuple[dict[str, Any], ...], said: str) -> None:
     assert any(said in one for one in faults(*changes)), faults(*changes)
+
+
+def test_cogging_of_the_motor_as_the_knob_feels_it() -> None:
+    """A turn of the knob is N turns of the motor."""
+    scene = Scene(Knob(1.9e-6), Wall(0.27), cogging=Cogging(7, 1e-4, 0.8), gear=Gear(N, 1e-8))
+    assert ungeared(scene).cogging == Cogging(N * 7, N * 1e-4, 0.8 / N)

@@ -35,11 +35,13 @@ def test_units_in_axes() -> None:
     ("name", "axis", "steps", "reason"),
     [
         ("sample_rate_hz", [1000, -1], (1,), "must be >= 0.001, got -1"),
+        ("sample_rate_hz", -1, (), "must be >= 0.001, got -1"),
         ("sample_rate_hz", [1000, 1000.0], (1,), "must not repeat"),
         ("counts_per_rev", [12.5], (0,), "whole number"),
         ("counts_per_rev", 2**31 + 1, (), "must be <= "),
         ("counts_per_rev", [0], (0,), "must be >= 1"),
         ("bias.torque", LogAxis(log=(0.0, 1.0, 3)), ("log", 0), "must be > 0"),
+        ("bias.torque", LogAxis(log=(1.0, 0.0, 3)), ("log", 1), "must be > 0"),
         ("bias.torque", LinAxis(lin=(0.0, 1.0, 1)), ("lin", 2), "must be >= 2"),
         ("sample_rate_hz", ["2 s"], (0,), "not a kind of Hz"),
         ("sample_rate_hz", [float("nan")], (0,), "must be"),
