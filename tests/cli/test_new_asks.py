@@ -16,7 +16,7 @@ from hknob_cli.cli.ask import Interview, interview
 from hknob_cli.cli.new import _text
 from hknob_cli.errors import SpecError
 from hknob_cli.specs.load import load, load_pipeline
-from hknob_cli.specs.starter import starter
+from hknob_cli.specs.starter import own_starter, starter
 from hknob_cli.specs.starter_answers import questions, refuse
 from hknob_cli.stage_table import SPECS
 from tests.conftest import HKNOB, SPEC
@@ -120,6 +120,20 @@ def test_other_numbers_of_a_preset_stay_its_own() -> None:
     assert text == starter("design", "smartknob").replace(
         "present: {sample_rate_hz: 1000", "present: {sample_rate_hz: 4000"
     )
+
+
+def test_numbers_are_taken_to_the_last_digit_and_only_where_they_are_in_proportion() -> None:
+    text = own_starter("remedies", {"wall": {"stiffness": 0.6}}, {"sample_rate_hz": 44100.123456789})
+    assert "this knob: {sample_rate_hz: 44100.123456789, counts_per_rev: 1024}" in text
+    assert "    sample_rate_hz: 1000 " in text
+    assert "    wall: {stiffness: 0.27} " in text
+    assert "change: {scene: {wall: {stiffness: 0.3}}} " in text
+
+
+def test_a_comment_stays_apart_from_an_answer_that_is_long(tmp_path: Path) -> None:
+    inertia = f"1.9{30 * '0'}e-6"
+    text, _ = talk("sweep", Person({"Inertia": inertia}))
+    assert f"inertia: {inertia} # of knob and motor" in text
 
 
 def test_an_answer_that_is_neither_yes_nor_no_has_no_line() -> None:

@@ -17,7 +17,8 @@ from hknob_cli.specs.capabilities import PARTS as PARTS_OF_TABLE
 from hknob_cli.specs.conditions import BEST_ESTIMATOR, ChoiceError, narrowed
 from hknob_cli.specs.driven import limited
 from hknob_cli.specs.electrical import _is_there
-from hknob_cli.specs.find_people import _drawn
+from hknob_cli.specs.find_people import _drawn, find_people
+from hknob_cli.specs.grid import LogAxis, length
 from hknob_cli.specs.identification import ColumnPlan, SysidPlan
 from hknob_cli.specs.load import load, load_pipeline, load_text, validate
 from hknob_cli.specs.motor import Cogging
@@ -27,7 +28,7 @@ from hknob_cli.specs.parts import Bias
 from hknob_cli.specs.parts_there import parts_of
 from hknob_cli.specs.people import Spread, draw
 from hknob_cli.specs.perception import Background, Hearing, Perceive
-from hknob_cli.specs.pipeline import validate_pipeline
+from hknob_cli.specs.pipeline import RESERVED, validate_pipeline
 from hknob_cli.specs.plan import (
     RATE,
     Actuator,
@@ -43,12 +44,13 @@ from hknob_cli.specs.plan import (
     SweepPlan,
     Wall,
     may_roam,
+    may_yield,
 )
 from hknob_cli.specs.population import PopulationSpec
 from hknob_cli.specs.promise import not_proven
 from hknob_cli.specs.remedies import RemediesPlan
 from hknob_cli.specs.size_limit import VARIABLE, size_limit
-from hknob_cli.specs.source import parse
+from hknob_cli.specs.source import Source, dotted, parse
 from hknob_cli.specs.starts import StartsSpec, kind_of_starts
 from hknob_cli.specs.sysid import MOST_TRIALS
 from hknob_cli.specs.unit_points import UnitPoints
@@ -57,6 +59,7 @@ from hknob_cli.specs.virtual_apparatus import VirtualSpec
 from tests.conftest import ROOT, SPEC
 from tests.hardware.campaigns import REMEDIES, planned
 from tests.hardware.campaigns import SPEC as BENCH
+from tests.identified import conditions, write_conditions
 from tests.specs.test_remedies import TRIAL
 
 HAND = "  hand: {inertia: 3.0e-7, damping: 3.45e-4, stiffness: 0.04}\n"
@@ -183,6 +186,27 @@ def test_a_pipeline_is_no_stage() -> None:
     assert "one of: sysid, sweep, " in str(raised.value)
 
 
+def test_a_file_of_a_pipeline_is_no_stage(tmp_path: Path) -> None:
+    path = tmp_path / "pages.yaml"
+    path.write_text("kind: pipeline\nname: p\nstages: {knob: {spec: knob.yaml}}\n")
+    with pytest.raises(SpecError, match=r"kind: must be one of: sysid, .* got 'pipeline'$"):
+        load(path)
+
+
+def test_a_stage_that_has_the_name_of_a_file_is_pointed_at() -> None:
+    text = "kind: pipeline\nname: p\nstages:\n  RESERVED: {spec: knob.yaml}\n"
+    for name in RESERVED:
+        with pytest.raises(SpecError) as raised:
+            validate_pipeline(parse(text.replace("RESERVED", name), "spec.yaml"))
+        assert [(fault.line, fault.column) for fault in raised.value.faults] == [(4, 3)]
+
+
+def test_a_stage_that_has_neither_spec_nor_folder_is_pointed_at() -> None:
+    with pytest.raises(SpecError) as raised:
+        validate_pipeline(parse("kind: pipeline\nname: p\nstages:\n  knob: {set: {name: a}}\n", "spec.yaml"))
+    assert [(fault.line, fault.column) for fault in raised.value.faults] == [(4, 3)]
+
+
 def test_a_grid_may_fill_the_limit_of_cells() -> None:
     text = SPEC + "limits: {max_cells: 2}\n"
     assert wrong(text.replace("[1024]", "[512, 1024]")) == []
@@ -276,6 +300,7 @@ PARTS: dict[str, tuple[Scene, set[str], set[str]]] = {
         SCENE._replace(controller=Controller("bounded_lag", detections=2)), {"several_readings"}, set(),
     ),
     "a push without a wall": (SCENE._replace(wall=Wall(0.0), bias=Bias(0.001)), {"bias", "unpushed"}, set()),
+    "a push of nothing": (SCENE._replace(bias=Bias(0.0)), {"bias", "unpushed"}, set()),
     "a push into a wall": (SCENE._replace(bias=Bias(0.001)), {"bias"}, {"unpushed"}),
     "cogging of no torque": (SCENE._replace(cogging=Cogging(7, 0.0)), set(), {"cogging"}),
     "a whole pulse": (SCENE._replace(controller=IMPULSE._replace(pulse=1.0)), {"controller"}, {"pulses", "knob_model"}),
@@ -452,6 +477,10 @@ def test_a_sampled_scene_needs_a_rate() -> None:
     assert wrong(SPEC.replace("  sample_rate_hz: [1000]\n", "")) == ["grid.sample_rate_hz: missing, and required"]
 
 
+def test_a_form_of_a_grid_is_a_list() -> None:
+    assert wrong(SPEC.replace("[1024]", "{log: 5}")) == ["grid.counts_per_rev.log: must be a list, got 5"]
+
+
 def test_a_grid_without_a_form() -> None:
     assert wrong(SPEC.replace("[1024]", "{}")) == ["grid.counts_per_rev.log: missing, and required"]
 
@@ -603,6 +632,9 @@ def test_what_is_usual_is_not_warned_of() -> None:
     assert unusual(load_text(SPEC, "spec.yaml")) == []
     most = SPEC.replace("  bias:", "  actuator: {torque_limit: 10}\n  bias:")
     assert unusual(load_text(most, "spec.yaml")) == []
+    heavy, heavier = (_text("knob.inertia", value, USUAL["knob.inertia"]) for value in (19.0, 1e12))
+    assert heavy.endswith("; if 19 g*cm^2 is meant, write the unit")
+    assert "meant" not in heavier
     said = _text("hand.inertia", -1.5, USUAL["hand.inertia"])  # of a file, without its apparatus
     assert said.startswith("warning: hand.inertia: -1.5 kg*m^2 is unusually large; ")
 
@@ -612,6 +644,15 @@ def test_a_constant_column_that_is_no_number(value: str) -> None:
     text = SYSID.format(what="hand", more=f"recordings: [a.csv]\ncolumns: {{grip_target_n: {{value: {value}}}}}")
     (said,) = wrong(text)
     assert said.startswith("columns.grip_target_n.value: must be a number >= 0, got ")
+
+
+def test_constant_columns() -> None:
+    text = SYSID.format(what="hand", more="recordings: [a.csv]\ncolumns: {grip_target_n: {value: VALUE}}")
+    for value in (0, 0.5, 14.2):
+        plan = load_text(text.replace("VALUE", str(value)), "spec.yaml")
+        assert isinstance(plan, SysidPlan)
+        assert plan.columns["grip_target_n"].value == value
+        assert plan.against == ""
 
 
 def test_a_range_without_a_design_lacks_its_count() -> None:
@@ -699,6 +740,9 @@ def test_a_column_keeps_its_name_where_its_unit_is_another() -> None:
     plan = load_text(text, "spec.yaml")
     assert isinstance(plan, SysidPlan)
     assert plan.columns["torque_nm"] == ColumnPlan("torque_nm", 1e-3)
+    scaled = load_text(text.replace("unit: mN*m", "from: t, scale: 2, sign: -1"), "spec.yaml")
+    assert isinstance(scaled, SysidPlan)
+    assert scaled.columns["torque_nm"] == ColumnPlan("t", -2.0)
 
 
 def test_what_the_last_cell_has_is_told() -> None:
@@ -733,3 +777,123 @@ def test_a_stage_of_a_folder_sets_nothing() -> None:
 def test_points_in_no_order_are_none() -> None:
     for dimensions in (0, 2):
         assert UnitPoints("random", count=5, dimensions=dimensions, seed=1).run(4, 1).shape == (0, dimensions)
+
+
+PEOPLE = SPEC.replace(HAND, "") + "population: {from: people/conditions.parquet}\n"
+
+
+def people(folder: Path, rows: list[dict[str, Any]], more: str = "") -> SweepPlan:
+    """The plan of a population that is from these rows."""
+    write_conditions(folder / "people" / "conditions.parquet", rows)
+    plan = load_text(PEOPLE.replace("parquet}", f"parquet{more}}}"), str(folder / "spec.yaml"))
+    assert isinstance(plan, SweepPlan)
+    return plan
+
+
+def test_a_file_without_people(tmp_path: Path) -> None:
+    with pytest.raises(SpecError, match=r"population\.from: has no subjects"):
+        people(tmp_path, [])
+
+
+def test_people_that_contradict_are_not_looked_for() -> None:
+    text = PEOPLE.replace("parquet}", "parquet, spread: subjects, people: 5}")
+    assert wrong(text) == ["population.people: must be absent where the people are the subjects"]
+
+
+def test_people_that_another_stage_is_yet_to_find_are_one() -> None:
+    source = Source("spec.yaml")
+    source.waiting = frozenset({"people"})
+    for spread, count in (("subjects", 1), ("lognormal", 7)):
+        spec = PopulationSpec.model_validate({"from": "people", "spread": spread, "people": 7})
+        assert len(find_people(source, spec, 1e-6).hands) == count
+
+
+def test_people_are_drawn_with_the_apparatus_that_is_subtracted(tmp_path: Path) -> None:
+    """Of a file without it: 0.9, 1.1 and 1.3e-7, less 2e-7."""
+    numbers = {f"s{i}": (j * 1e-7, 3e-4, 0.03 + 0.01 * i) for i, j in enumerate((0.9, 1.1, 1.3))}
+    rows = conditions(numbers, apparatus_inertia_kg_m2=None)
+    plan = people(tmp_path, rows, ", subtract_apparatus: 2.0e-7, people: 3")
+    assert plan.scene.hand is not None
+    assert plan.scene.hand.origin.notes == (
+        "population: the hand's mean inertia is -9e-08 kg*m^2; it is drawn with the apparatus' 2e-07",
+    )
+
+
+def test_a_bounce_needs_a_wall() -> None:
+    text = SPEC.replace(HAND, "").replace("starts: {angle: 0.02, phases: 8}", "growth: {duration: 1}")
+    assert wrong(text) == []
+    assert wrong(text.replace("0.27", "0")) == [
+        "growth: must be absent without a bias into the wall: nothing brings the knob back to it"
+    ]
+
+
+def test_a_low_pass_of_some_cells_filters_an_angle() -> None:
+    assert velocity("angle: filtered", controller__low_pass="[0, 0.001]") == []
+    assert velocity("angle: filtered", controller__low_pass="[0]") != []
+
+
+@pytest.mark.parametrize(("axis", "count"), [(5.0, 1), ([1.0, 2.0, 3.0], 3), (LogAxis(log=(1, 100, 7)), 7)])
+def test_lengths_of_axes(axis: Any, count: int) -> None:
+    assert length(axis) == count
+
+
+def test_a_fault_has_its_line_beside_an_override() -> None:
+    with pytest.raises(SpecError) as raised:
+        load_text(SPEC.replace("0.27", "-1"), "spec.yaml", ("scene.bias.torque=-1",))
+    assert {(fault.where, fault.line, fault.column) for fault in raised.value.faults} == {
+        ("spec.yaml", 6, 21), ("--set scene.bias.torque=-1", 0, 0),
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("text", ["scene..x=1", "=1", "name"])
+def test_an_override_has_a_path_and_a_value(text: str) -> None:
+    assert wrong(SPEC, text) == [": must be key.path=value"]
+
+
+def test_stops_in_the_wrong_order_in_one_cell() -> None:
+    stops = "  end_stops: {low: -0.1, high: 0.2, stiffness: 1}\n  bias:"
+    text = SPEC.replace("  bias:", stops)
+    assert wrong(text.replace("[1024]", "[1024]\n  end_stops.low: [-1, 0.1]\n  end_stops.high: [0.2, 0.3]")) == []
+    (said,) = wrong(text.replace("[1024]", "[1024]\n  end_stops.low: [-1, 0.2]\n  end_stops.high: [0.1, 0.3]"))
+    assert said.endswith("low must be below high all over the grid, got 0.2 and 0.1")
+
+
+def test_rows_of_recordings_count_their_angles() -> None:
+    """10 s with 3,000 rows a second, from so many angles."""
+    text = SPEC + "record: {duration: 10, interval: 0.001, angles: ANGLES}\n"
+    many = [0.001 * i for i in range(40)]
+    assert wrong(text.replace("ANGLES", str(many[:20]))) == []
+    assert [one.split(":")[0] for one in wrong(text.replace("ANGLES", str(many)))] == ["record.duration"]
+
+
+def test_a_value_that_the_grid_overrules_is_a_fault_of_the_remedy() -> None:
+    text = TRIAL.replace("counts_per_rev: [1024]}", "counts_per_rev: [1024], wall.stiffness: [0.1, 0.2]}")
+    (said,) = wrong(text.replace("controller: {kind: bounded_lag}", "wall: {stiffness: 0.3}"))
+    assert said.startswith("remedies.lag.change: must not set scene.wall.stiffness, which the grid of the base varies")
+
+
+def test_gears_that_may_yield() -> None:
+    for gear, axis, yields in (
+        ("", "", False),
+        (", stiffness: 10", "", True),
+        ("", "\n  gear.stiffness: [10, 20]", True),
+    ):
+        text = SPEC.replace("  bias:", f"  gear: {{ratio: 8, motor_inertia: 1.0e-8{gear}}}\n  bias:")
+        plan = load_text(text.replace("[1024]", f"[1024]{axis}"), "spec.yaml")
+        assert isinstance(plan, SweepPlan)
+        assert may_yield(plan) is yields
+
+
+def test_the_speed_of_a_port() -> None:
+    assert wrong(SERIAL.replace("url: socket://localhost:1", "url: COM3, baud: 9600")) == []
+    assert wrong(SERIAL.replace("url: socket://localhost:1", "target: host, baud: 9600")) == [
+        "device.baud: must be absent with target, which has no port to set"
+    ]
+
+
+def test_the_usual_limit_of_size() -> None:
+    assert size_limit() == (1_000_000, 100_000, 1000, 1)
+
+
+def test_the_longest_key_that_is_said_whole() -> None:
+    assert dotted(("a" * 60, "b" * 61)) == f"{'a' * 60}.{'b' * 57}..."

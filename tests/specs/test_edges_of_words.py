@@ -99,6 +99,11 @@ def test_the_yaml_that_cannot_be_read_at_all_is_at_its_begin() -> None:
     assert fault.message == "not YAML: unacceptable character #x0001: special characters are not allowed"
 
 
+def test_what_the_parser_was_reading_is_said_in_brackets() -> None:
+    (fault,) = faults("a: [1\n")
+    assert fault.message == "not YAML: expected ',' or ']', but got '<stream end>' (while parsing a flow sequence)"
+
+
 @pytest.mark.parametrize("text", ["a: 1", "a: [1, 2]"])
 def test_no_key_is_within_a_value(text: str) -> None:
     with pytest.raises(KeyError):
