@@ -19,6 +19,7 @@ from hknob_cli.specs.driven import limited
 from hknob_cli.specs.electrical import _is_there
 from hknob_cli.specs.find_people import _drawn, find_people
 from hknob_cli.specs.grid import LogAxis, length
+from hknob_cli.specs.grip import same_grip
 from hknob_cli.specs.identification import ColumnPlan, SysidPlan
 from hknob_cli.specs.load import load, load_pipeline, load_text, validate
 from hknob_cli.specs.motor import Cogging
@@ -47,7 +48,7 @@ from hknob_cli.specs.plan import (
     may_yield,
 )
 from hknob_cli.specs.population import PopulationSpec
-from hknob_cli.specs.promise import not_proven
+from hknob_cli.specs.promise import _hindrance, not_proven
 from hknob_cli.specs.remedies import RemediesPlan
 from hknob_cli.specs.size_limit import VARIABLE, size_limit
 from hknob_cli.specs.source import Source, dotted, parse
@@ -569,6 +570,11 @@ def test_an_override_of_a_stage_is_by_its_path(tmp_path: Path) -> None:
 def test_a_remedy_without_an_encoder_is_said_once() -> None:
     text = TRIAL.replace("controller: {kind: bounded_lag}", "encoder: none")
     assert wrong(text) == ["remedies.lag.change: must leave a sample clock and an encoder"]
+    bare = "{scene: {encoder: none}, grid: {counts_per_rev: null}}"
+    slow = "{scene: {sampling: continuous, encoder: none}, grid: {sample_rate_hz: null, counts_per_rev: null}}"
+    for change in (bare, slow):
+        text = TRIAL.replace("{scene: {controller: {kind: bounded_lag}}}", change)
+        assert wrong(text) == ["remedies.lag.change: must leave a sample clock and an encoder"]
 
 
 def test_a_campaign_without_a_grip_cell_has_no_grip() -> None:
@@ -897,3 +903,23 @@ def test_the_usual_limit_of_size() -> None:
 
 def test_the_longest_key_that_is_said_whole() -> None:
     assert dotted(("a" * 60, "b" * 61)) == f"{'a' * 60}.{'b' * 57}..."
+
+
+def test_rows_of_a_recording_without_a_clock_are_those_of_its_interval() -> None:
+    text = SPEC.replace("  knob:", "  sampling: continuous\n  encoder: none\n  knob:").replace(", phases: 8", "")
+    text += "record: {duration: 1000, interval: INTERVAL}\n"
+    assert wrong(text.replace("INTERVAL", "0.002")) == []
+    assert [one.split(":")[0] for one in wrong(text.replace("INTERVAL", "0.0005"))] == ["record.duration"]
+
+
+def test_grips_are_the_same_to_nine_digits() -> None:
+    assert same_grip(4.3, 4.3 * (1.0 + 0.9e-9))
+    assert not same_grip(4.3, 4.3 * (1.0 + 1.1e-9))
+
+
+@pytest.mark.parametrize(
+    ("part", "what"), [("finger", "a finger apart from the knob"), ("coil", "a winding with inductance")]
+)
+def test_a_controller_is_named_beside_what_hinders_it(part: str, what: str) -> None:
+    for kind in ("one", "ranges"):
+        assert _hindrance(frozenset({"controller", part}), kind) == f"a controller beside {what}"

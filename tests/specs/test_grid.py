@@ -1,10 +1,12 @@
 """Axes and cells."""
 
+from math import ulp
+
 import numpy as np
 import pytest
 
 from hknob_cli.specs.cells import Cells
-from hknob_cli.specs.grid import AxisError, LinAxis, LogAxis, axis_values
+from hknob_cli.specs.grid import AxisError, LinAxis, LogAxis, _snapped, axis_values
 from hknob_cli.specs.scene_paths import axis_unit, scalar_paths
 from tests.conftest import SPEC, loaded
 
@@ -72,3 +74,8 @@ def test_every_number_of_the_scene_is_an_axis() -> None:
 def test_axis_over_the_scene() -> None:
     text = SPEC.replace("counts_per_rev: [1024]", "counts_per_rev: [1024]\n  hand.stiffness: {lin: [0.04, 0.08, 3]}")
     assert loaded(text).axes["hand.stiffness"] == [0.04, 0.06, 0.08]
+
+
+def test_values_of_an_axis_that_miss_a_short_number_by_four_roundings_are_that_number() -> None:
+    assert _snapped(1000.0 + 4.0 * ulp(1000.0)) == 1000.0
+    assert _snapped(1000.0 + 5.0 * ulp(1000.0)) == 1000.0 + 5.0 * ulp(1000.0)

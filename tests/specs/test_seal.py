@@ -4,6 +4,7 @@ import os
 from io import BytesIO
 from pathlib import Path
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
@@ -11,7 +12,7 @@ import pytest
 from hknob_cli.results.parted import sealed_file
 from hknob_cli.specs import seal as seals
 from hknob_cli.specs.parquet import ChangedError, table_of
-from hknob_cli.specs.seal import BLANK, KEY, State, is_changed, sealed, state_in, state_of
+from hknob_cli.specs.seal import _HEAD, BLANK, KEY, State, is_changed, sealed, state_in, state_of
 
 TEXT = b"<!-- hknob report page 0123456789abcdef " + BLANK + b" -->\n<p>sha256:" + b"1" * 64 + b"</p>\n"
 TABLE = pa.table({"p2p_rad": [2.426e-3, 0.0, None], "outcome": ["cycle", "rest", "cycle"]})
@@ -94,6 +95,9 @@ def test_a_large_file_is_read_once_and_a_small_one_each_time(tmp_path: Path, mon
 
 
 def test_a_table_whose_first_letter_is_damaged_is_known_to_be_changed() -> None:
-    data = bytearray(files()["cells.parquet"])
+    table = pa.table({"angle_rad": np.random.default_rng(1).random(4096)})
+    data = bytearray(sealed_file(table, {b"hknob.provenance": b"{}"}))
+    assert len(data) > 8 * _HEAD  # its seal is not where that of a text is
+    assert state_in(BytesIO(data)) is State.WHOLE
     data[0] ^= 1
     assert state_in(BytesIO(data)) is State.CHANGED
