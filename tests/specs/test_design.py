@@ -55,6 +55,11 @@ def test_people_are_a_population_too() -> None:
         ("cost: 0.5", "cost: @-1", "must be >= 0, got -1"),
         ("knob.damping:\n", "@knob.dampling:\n", "did you mean 'knob.damping'?"),
         ("knob.damping:\n", "@hand.damping:\n", "must be of the device"),
+        (
+            "- {table: 2, grip_n: 2.4}",
+            "- @{finger: {inertia: 1.0e-6, stiffness: 1}, fingerpad: {stiffness: 1}}",
+            "must be a table's or by inertia, damping and stiffness",
+        ),
         ("{at_least: 0.26}", "{at_least: 0.26, @at_leas: 1}", "did you mean 'at_least'?"),
         ("touch: {above_present: 0}", "touch: @{people: 0.1}", "must have exactly one of 'at_most' and"),
         ("touch: {above_present: 0}", "touch: {above_present: 0, people: @1.5}", "must be < 1, got 1.5"),

@@ -18,19 +18,23 @@ from hknob_cli.specs.conditions import BEST_ESTIMATOR, ChoiceError, narrowed
 from hknob_cli.specs.driven import limited
 from hknob_cli.specs.electrical import _is_there
 from hknob_cli.specs.find_people import _drawn, find_people
-from hknob_cli.specs.grid import LogAxis, length
+from hknob_cli.specs.grid import Grid, LinAxis, LogAxis, length
 from hknob_cli.specs.grip import same_grip
 from hknob_cli.specs.identification import ColumnPlan, SysidPlan
 from hknob_cli.specs.load import load, load_pipeline, load_text, validate
 from hknob_cli.specs.motor import Cogging
+from hknob_cli.specs.named_file import is_endless
 from hknob_cli.specs.over_angle import ways_round
 from hknob_cli.specs.parquet import opened
-from hknob_cli.specs.parts import Bias
+from hknob_cli.specs.part import model_of
+from hknob_cli.specs.parts import Bias, Squeeze
 from hknob_cli.specs.parts_there import parts_of
 from hknob_cli.specs.people import Spread, draw
 from hknob_cli.specs.perception import Background, Hearing, Perceive
 from hknob_cli.specs.pipeline import RESERVED, validate_pipeline
 from hknob_cli.specs.plan import (
+    COUNTS,
+    PERSON,
     RATE,
     Actuator,
     BenchPlan,
@@ -97,6 +101,8 @@ def test_the_best_estimator_is_chosen_among_estimators_alone() -> None:
         narrowed(rows, {}, ["subject"])
     rows = [{"subject": "S1", "estimator": one} for one in (BEST_ESTIMATOR, "least_squares")]
     assert narrowed(rows, {}, ["estimator"]) == rows[:1]
+    with pytest.raises(ChoiceError, match=r"^must be absent$"):
+        narrowed([{"experiment": None}], {"experiment": "1"}, ["experiment"])
     with pytest.raises(ChoiceError):
         narrowed([{"estimator": "a"}, {"estimator": "b"}], {}, ["estimator"])
 
@@ -297,11 +303,13 @@ PARTS: dict[str, tuple[Scene, set[str], set[str]]] = {
         SCENE._replace(hand=Hand(finger=Finger(1e-6, stiffness=0.1), fingerpad=Fingerpad(stiffness=1.0))),
         {"finger"}, {"unheld"},
     ),
+    "two torques in an interval": (SCENE._replace(controller=IMPULSE._replace(steps=2)), {"pulses"}, set()),
     "two readings in an interval": (
         SCENE._replace(controller=Controller("bounded_lag", detections=2)), {"several_readings"}, set(),
     ),
     "a push without a wall": (SCENE._replace(wall=Wall(0.0), bias=Bias(0.001)), {"bias", "unpushed"}, set()),
     "a push of nothing": (SCENE._replace(bias=Bias(0.0)), {"bias", "unpushed"}, set()),
+    "a push of half a count": (SCENE._replace(bias=Bias(half_quantum=True)), {"bias"}, {"unpushed"}),
     "a push into a wall": (SCENE._replace(bias=Bias(0.001)), {"bias"}, {"unpushed"}),
     "cogging of no torque": (SCENE._replace(cogging=Cogging(7, 0.0)), set(), {"cogging"}),
     "a whole pulse": (SCENE._replace(controller=IMPULSE._replace(pulse=1.0)), {"controller"}, {"pulses", "knob_model"}),
@@ -320,7 +328,7 @@ def test_parts_of_a_scene(name: str) -> None:
     assert not absent & found
 
 
-@pytest.mark.parametrize("text", ["1.5", "-1", "0", "+2", "10000", "1e3", "\u0663", "x"])
+@pytest.mark.parametrize("text", ["1.5", "-1", "0", "+2", "10000", "1e3", "\u0663", "x", "00001", "1" * 5000])
 def test_a_limit_of_size_that_is_no_whole_number(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(VARIABLE, text)
     with pytest.raises(UsageError, match="must be a whole number from 1 to "):
@@ -592,6 +600,8 @@ def test_a_lag_of_the_winding_or_of_the_current_loop_is_the_lag() -> None:
             f"nuisances.amplifier: must be absent beside motor.{key}, which is the lag"
         ]
         assert wrong(f"{BENCH}{motor}nuisances: {{jitter: 1.0e-6}}\n") == []
+    motor = "motor: {torque_constant: 0.0234, resistance: 12.3, winding: voltage}\n"
+    assert wrong(f"{BENCH}{motor}nuisances: {{amplifier: 1.0e-3}}\n") == []
 
 
 @pytest.mark.parametrize(
@@ -636,8 +646,14 @@ def test_a_frequency_out_of_order_is_named_by_its_number() -> None:
 
 def test_what_is_usual_is_not_warned_of() -> None:
     assert unusual(load_text(SPEC, "spec.yaml")) == []
-    most = SPEC.replace("  bias:", "  actuator: {torque_limit: 10}\n  bias:")
-    assert unusual(load_text(most, "spec.yaml")) == []
+    for limit in ("1.0e-4", "10"):
+        text = SPEC.replace("  bias:", f"  actuator: {{torque_limit: {limit}}}\n  bias:")
+        assert unusual(load_text(text, "spec.yaml")) == []
+    light = load_text(SPEC.replace(HAND, "  hand: {table: 1, grip_n: 14.2}\n"), "spec.yaml")
+    assert isinstance(light, SweepPlan)
+    assert light.scene.hand is not None
+    assert light.scene.hand.inertia < 0.0
+    assert unusual(light) == []
     heavy, heavier = (_text("knob.inertia", value, USUAL["knob.inertia"]) for value in (19.0, 1e12))
     assert heavy.endswith("; if 19 g*cm^2 is meant, write the unit")
     assert "meant" not in heavier
@@ -722,6 +738,10 @@ def test_people_of_a_mean_above_0_are_drawn_without_the_apparatus() -> None:
     spread = Spread((3e-7, 3e-4, 0.04), (1e-7, 1e-4, 0.01))
     hands, said = _drawn(spread, PopulationSpec(table=1, grip_n=0.71, people=3, seed=1), 1e-6)
     assert (hands, said) == (draw(spread, people=3, seed=1), ())
+    light, apparatus = spread._replace(means=(-1e-7, 3e-4, 0.04)), 4e-7
+    hands, (text,) = _drawn(light, PopulationSpec(table=1, grip_n=0.71, people=3, seed=1), apparatus)
+    assert hands == [(j - apparatus, b, k) for j, b, k in draw(spread, people=3, seed=1)]
+    assert text == "population: the hand's mean inertia is -1e-07 kg*m^2; it is drawn with the apparatus' 4e-07"
 
 
 def test_a_filter_without_a_sample_rate_is_not_looked_at() -> None:
@@ -901,6 +921,11 @@ def test_the_usual_limit_of_size() -> None:
     assert size_limit() == (1_000_000, 100_000, 1000, 1)
 
 
+def test_the_largest_limit_of_size(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(VARIABLE, "1000")
+    assert size_limit() == (1_000_000_000, 100_000_000, 1_000_000, 1000)
+
+
 def test_the_longest_key_that_is_said_whole() -> None:
     assert dotted(("a" * 60, "b" * 61)) == f"{'a' * 60}.{'b' * 57}..."
 
@@ -909,6 +934,7 @@ def test_rows_of_a_recording_without_a_clock_are_those_of_its_interval() -> None
     text = SPEC.replace("  knob:", "  sampling: continuous\n  encoder: none\n  knob:").replace(", phases: 8", "")
     text += "record: {duration: 1000, interval: INTERVAL}\n"
     assert wrong(text.replace("INTERVAL", "0.002")) == []
+    assert wrong(text.replace("INTERVAL", "0.002, trials: 3")) == []  # there is one
     assert [one.split(":")[0] for one in wrong(text.replace("INTERVAL", "0.0005"))] == ["record.duration"]
 
 
@@ -923,3 +949,67 @@ def test_grips_are_the_same_to_nine_digits() -> None:
 def test_a_controller_is_named_beside_what_hinders_it(part: str, what: str) -> None:
     for kind in ("one", "ranges"):
         assert _hindrance(frozenset({"controller", part}), kind) == f"a controller beside {what}"
+
+
+def test_a_range_has_a_width() -> None:
+    text = SPEC.replace("angle: 0.02, phases: 8", "angle: [0.1, 0.1], velocity: [-1, 1]")
+    assert wrong(text) == ["starts.angle: must have its least value first, got [0.1, 0.1]"]
+
+
+def test_a_study_of_nuisances_lists_one() -> None:
+    text = "kind: sysid\nname: s\nstudy: {bias: {nuisances: LISTED}}\n"
+    assert wrong(text.replace("LISTED", "{noise_rad: [0, 1.0e-4]}")) == []
+    assert wrong(text.replace("LISTED", "{}")) == [
+        "study.bias.nuisances: must list one of: noise_rad, coulomb_nm, lag_s, counts_per_rev, decimation"
+    ]
+
+
+def test_a_stage_that_needs_another_is_not_read_alone(tmp_path: Path) -> None:
+    (tmp_path / "knob.yaml").write_text(SPEC)
+    stages = "{knob: {spec: knob.yaml, set: {name: {from: other}}}, other: {folder: there}}"
+    (tmp_path / "pages.yaml").write_text(f"kind: pipeline\nname: p\nstages: {stages}\n")
+    with pytest.raises(SpecError, match="is a pipeline; hknob run runs it"):
+        load(tmp_path / "pages.yaml", kind="sweep")
+
+
+def test_remedies_without_a_scene() -> None:
+    scene = "  scene:\n    knob: {inertia: 1.9e-6}\n    wall: {stiffness: 0.27}\n"
+    assert wrong(TRIAL.replace(scene, "  scene: null\n")) == [
+        "base.scene: must be a mapping of keys to values, got null"
+    ]
+
+
+def test_rows_of_recordings_count_their_trials() -> None:
+    """10 s with 3,000 rows a second, of so many phases; of one start there are no more than these."""
+    text = SPEC + "record: {duration: 10, interval: 0.001, trials: TRIALS}\n"
+    assert wrong(text.replace("TRIALS", "1000")) == []
+    more = text.replace("phases: 8", "phases: 40")
+    assert wrong(more.replace("TRIALS", "30")) == []
+    assert [one.split(":")[0] for one in wrong(more.replace("TRIALS", "40"))] == ["record.duration"]
+
+
+def test_hysteresis_and_slack_add() -> None:
+    assert Encoder(hysteresis_counts=0.5, backlash=0.003).width_counts(0.001) == 0.5 + 0.003 / 0.001
+
+
+def test_a_folder_ends(tmp_path: Path) -> None:
+    assert not is_endless(tmp_path)
+    assert is_endless(Path("/dev/null"))
+
+
+def test_axes_that_are_made_in_the_program() -> None:
+    made = Grid.model_validate({"sample_rate_hz": LinAxis(lin=(1, 2, 3)), "counts_per_rev": LogAxis(log=(1, 2, 3))})
+    assert (made.sample_rate_hz, made.counts_per_rev) == (LinAxis(lin=(1, 2, 3)), LogAxis(log=(1, 2, 3)))
+
+
+def test_a_key_says_what_it_is_in_the_schema() -> None:
+    text = model_of(Squeeze).model_json_schema()["properties"]["friction"]["description"]
+    assert "coefficient of friction" in text
+
+
+def test_counts_and_people_are_whole_numbers_in_columns() -> None:
+    axes: dict[str, list[float | int]] = {"a": [1, 2], COUNTS: [512, 1024], PERSON: [1, 2]}
+    points = Points("sobol", 4, 1, {"a": "lin"})
+    for every in (cells.Cells(axes), cells.DesignCells({**axes, COUNTS: [512]}, points)):
+        kinds = {name: column.dtype.kind for name, column in every.columns(0, 4).items()}
+        assert kinds == {"a": "f", COUNTS: "i", PERSON: "i"}

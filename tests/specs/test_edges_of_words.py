@@ -12,7 +12,7 @@ from pydantic.fields import FieldInfo
 
 from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.specs.campaign import Course, Grip, Person
-from hknob_cli.specs.capabilities import EXACT, verdict_of
+from hknob_cli.specs.capabilities import EXACT, PROVEN, REFUSED, verdict_of
 from hknob_cli.specs.hand import HandSpec, hand_contradictions
 from hknob_cli.specs.load import _kind_fault, load, load_text, spec_model, validate
 from hknob_cli.specs.messages import message, shown
@@ -273,6 +273,12 @@ def test_how_many_items_a_list_must_have(least: int, said: str) -> None:
 
 def test_the_first_reason_is_a_part_that_is_always_there() -> None:
     assert verdict_of(["jitter", "undamped"], "general") == (EXACT, "nothing that damps the knob")
+
+
+def test_pairs_that_one_engine_refuses_are_not_refused_elsewhere() -> None:
+    pair = ["hysteresis", "virtual_damping"]
+    assert verdict_of(pair, "general") == (REFUSED, "hysteresis of the encoder with virtual damping")
+    assert verdict_of(pair, "laws")[0] == PROVEN
 
 
 REPORT = """\

@@ -236,3 +236,9 @@ def test_the_finest_detents_of_a_continuous_sensor() -> None:
     assert faults({"encoder": "none", "detents": {**detents, "spacing": 0.9 * finest}}, **{COUNTS: None}) == [
         "scene.detents.spacing: must be at least 1.25664e-11 rad, got 1.13097e-11"
     ]
+
+
+def test_a_periodic_profile_goes_round_from_anywhere() -> None:
+    for first in (-1.0, 0.0, 1.0):
+        points = [[first, 0.0], [first + 1.0, 0.1], [first + 2.0 * pi, 0.0]]
+        assert planned({"profile": {"points": points, "periodic": True}}).scene.profile is not None

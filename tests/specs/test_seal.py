@@ -101,3 +101,8 @@ def test_a_table_whose_first_letter_is_damaged_is_known_to_be_changed() -> None:
     assert state_in(BytesIO(data)) is State.WHOLE
     data[0] ^= 1
     assert state_in(BytesIO(data)) is State.CHANGED
+
+
+def test_a_seal_in_a_long_footer_is_found_by_what_the_file_says_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(seals, "_TAIL", 16)
+    assert state_in(BytesIO(files()["cells.parquet"])) is State.WHOLE

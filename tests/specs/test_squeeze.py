@@ -194,3 +194,9 @@ def test_the_smallest_knob_of_a_grid_asks_for_the_firmest_grip() -> None:
     assert planned(**{"squeeze.radius": [8.9e-3, 5e-3]})
     with pytest.raises(SpecError, match=r"a push of 0.02 N.m may ask for 21.43 N"):
         planned(**{"squeeze.radius": [8.9e-3, 1e-3]})
+
+
+def test_without_a_push_the_grip_is_that_of_the_hand() -> None:
+    scene = planned().scene
+    assert grip_of(scene._replace(bias=None)) == 0.71
+    assert grip_of(scene) > 0.71
