@@ -303,7 +303,9 @@ PARTS: dict[str, tuple[Scene, set[str], set[str]]] = {
         SCENE._replace(hand=Hand(finger=Finger(1e-6, stiffness=0.1), fingerpad=Fingerpad(stiffness=1.0))),
         {"finger"}, {"unheld"},
     ),
-    "two torques in an interval": (SCENE._replace(controller=IMPULSE._replace(steps=2)), {"pulses"}, set()),
+    "two torques in an interval": (
+        SCENE._replace(controller=Controller("first_order_hold", steps=2)), {"pulses"}, set(),
+    ),
     "two readings in an interval": (
         SCENE._replace(controller=Controller("bounded_lag", detections=2)), {"several_readings"}, set(),
     ),
