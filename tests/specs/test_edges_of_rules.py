@@ -19,6 +19,7 @@ from hknob_cli.specs.driven import limited
 from hknob_cli.specs.electrical import _is_there
 from hknob_cli.specs.find_people import _drawn, find_people
 from hknob_cli.specs.grid import Grid, LinAxis, LogAxis, length
+from hknob_cli.specs.grid_axes import Limit, too_many
 from hknob_cli.specs.grip import same_grip
 from hknob_cli.specs.identification import ColumnPlan, SysidPlan
 from hknob_cli.specs.load import load, load_pipeline, load_text, validate
@@ -46,6 +47,7 @@ from hknob_cli.specs.plan import (
     Knob,
     Points,
     Scene,
+    Starts,
     SweepPlan,
     Wall,
     may_roam,
@@ -56,7 +58,8 @@ from hknob_cli.specs.promise import _hindrance, not_proven
 from hknob_cli.specs.remedies import RemediesPlan
 from hknob_cli.specs.size_limit import VARIABLE, size_limit
 from hknob_cli.specs.source import Source, dotted, parse
-from hknob_cli.specs.starts import StartsSpec, kind_of_starts
+from hknob_cli.specs.starts import PHASES, StartsSpec, kind_of_starts, plain_starts
+from hknob_cli.specs.sweep import RecordSpec
 from hknob_cli.specs.sysid import MOST_TRIALS
 from hknob_cli.specs.unit_points import UnitPoints
 from hknob_cli.specs.usual import USUAL, _text, unusual
@@ -575,6 +578,8 @@ def test_an_override_of_a_stage_is_by_its_path(tmp_path: Path) -> None:
     (tmp_path / "pages.yaml").write_text("kind: pipeline\nname: p\nstages: {knob: {spec: knob.yaml}}\n")
     plan = load_pipeline(tmp_path / "pages.yaml", ("stages.knob.set.scene.wall.stiffness=0.3",))
     assert plan.stages["knob"].settings == ("scene.wall.stiffness=0.3",)
+    plan = load_pipeline(tmp_path / "pages.yaml", ("stages.knob.set={name: a}",))
+    assert plan.stages["knob"].settings == ('name="a"',)
 
 
 def test_a_remedy_without_an_encoder_is_said_once() -> None:
@@ -659,6 +664,11 @@ def test_what_is_usual_is_not_warned_of() -> None:
     heavy, heavier = (_text("knob.inertia", value, USUAL["knob.inertia"]) for value in (19.0, 1e12))
     assert heavy.endswith("; if 19 g*cm^2 is meant, write the unit")
     assert "meant" not in heavier
+    most = USUAL["knob.inertia"].largest / 1e-7  # in g*cm^2
+    assert "meant" in _text("knob.inertia", 0.9 * most, USUAL["knob.inertia"])
+    assert "meant" not in _text("knob.inertia", 1.1 * most, USUAL["knob.inertia"])
+    slow = load_text(SPEC.replace("[1000]", "[1, 1000]"), "spec.yaml")
+    assert [one.partition(" Hz")[0] for one in unusual(slow)] == ["warning: sample_rate_hz: 1"]
     said = _text("hand.inertia", -1.5, USUAL["hand.inertia"])  # of a file, without its apparatus
     assert said.startswith("warning: hand.inertia: -1.5 kg*m^2 is unusually large; ")
 
@@ -883,7 +893,9 @@ def test_stops_in_the_wrong_order_in_one_cell() -> None:
     text = SPEC.replace("  bias:", stops)
     assert wrong(text.replace("[1024]", "[1024]\n  end_stops.low: [-1, 0.1]\n  end_stops.high: [0.2, 0.3]")) == []
     (said,) = wrong(text.replace("[1024]", "[1024]\n  end_stops.low: [-1, 0.2]\n  end_stops.high: [0.1, 0.3]"))
-    assert said.endswith("low must be below high all over the grid, got 0.2 and 0.1")
+    assert said == 'grid["end_stops.low"]: low must be below high all over the grid, got 0.2 and 0.1'
+    (said,) = wrong(text.replace("[1024]", "[1024]\n  end_stops.high: [-0.1, 0.3]"))
+    assert said == 'grid["end_stops.high"]: low must be below high all over the grid, got -0.1 and -0.1'
 
 
 def test_rows_of_recordings_count_their_angles() -> None:
@@ -936,6 +948,7 @@ def test_rows_of_a_recording_without_a_clock_are_those_of_its_interval() -> None
     text = SPEC.replace("  knob:", "  sampling: continuous\n  encoder: none\n  knob:").replace(", phases: 8", "")
     text += "record: {duration: 1000, interval: INTERVAL}\n"
     assert wrong(text.replace("INTERVAL", "0.002")) == []
+    assert wrong(text.replace("INTERVAL", "0.001")) == []  # as many as there may be
     assert wrong(text.replace("INTERVAL", "0.002, trials: 3")) == []  # there is one
     assert [one.split(":")[0] for one in wrong(text.replace("INTERVAL", "0.0005"))] == ["record.duration"]
 
@@ -1015,3 +1028,36 @@ def test_counts_and_people_are_whole_numbers_in_columns() -> None:
     for every in (cells.Cells(axes), cells.DesignCells({**axes, COUNTS: [512]}, points)):
         kinds = {name: column.dtype.kind for name, column in every.columns(0, 4).items()}
         assert kinds == {"a": "f", COUNTS: "i", PERSON: "i"}
+
+
+def test_recordings_have_a_thousand_rows_between_samples_unless_said() -> None:
+    assert RecordSpec(duration=0.5).plain().interval == 0.5 / 1000.0
+    assert RecordSpec(duration=0.5, interval=0.1).plain().interval == 0.1
+
+
+def test_starts_from_anywhere() -> None:
+    assert plain_starts("anywhere") == Starts(0.0, 0.0, PHASES, False, anywhere=True)
+
+
+def test_another_kind_than_is_wanted() -> None:
+    with pytest.raises(SpecError, match=r"kind: must be dfa, got 'sweep'$"):
+        load_text(SPEC, "spec.yaml", kind="dfa")
+    assert load_text(SPEC, "spec.yaml", kind="sweep").name == "small"
+
+
+def test_too_many_cells_are_said_with_and_without_a_remedy() -> None:
+    assert too_many(5, Limit(3, "")) == "must span at most 3 cells, got 5"
+    assert too_many(5, Limit(3, "give fewer"), " with the grid") == (
+        "must span at most 3 cells with the grid, got 5; give fewer"
+    )
+
+
+def test_a_preset_has_a_name() -> None:
+    said = "scene.from: must be the name of a preset, or the path of its file, got ''"
+    assert wrong(SPEC.replace("  knob:", '  from: ""\n  knob:')) == [said]
+
+
+def test_nobody_knows_the_model_of_a_knob_at_a_port() -> None:
+    text = SERIAL + "controller: {kind: matched_wall}\n"
+    assert wrong(text) == ["model: required: matched_wall acts by a model of knob and hand, which nobody knows here"]
+    assert wrong(text.replace("url: socket://localhost:1", "target: host")) == []

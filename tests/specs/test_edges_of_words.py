@@ -164,6 +164,15 @@ def test_the_tail_of_a_file(size: int, tmp_path: Path) -> None:
     assert tail_of(tmp_path / "file") == data[-_TAIL:]
 
 
+@pytest.mark.parametrize("closed", [True, False])
+def test_a_spec_on_standard_input_that_is_not_there(monkeypatch: pytest.MonkeyPatch, *, closed: bool) -> None:
+    stream = io.TextIOWrapper(io.BytesIO(b"abc"))
+    stream.close()
+    monkeypatch.setattr(sys, "stdin", stream if closed else None)
+    with pytest.raises(UsageError, match=r"^<stdin>: is closed; give a spec on it, or name a file$"):
+        given.__wrapped__(3)
+
+
 def test_a_byte_more_than_may_be_there_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(b"abcdef")))
     assert given.__wrapped__(3) == b"abcd"

@@ -214,6 +214,11 @@ TWO_COUNTS = 4.0 * pi / 256.0
             "dead_zone: must be below the spacing of the detents, 0.1",
         ),
         ({"range": None}, {"detents.spacing": [0.1 * pi, 4.0 * pi]}, "must be a whole part of a revolution, 2 pi / n"),
+        (
+            {"dead_zone": 0.2},
+            {"detents.spacing": [0.2, 0.5]},
+            "must be below the spacing of the detents, 0.2 rad",
+        ),
         ({"spacing": None, "range": None, "per_revolution": 128}, {}, ""),
         ({"spacing": TWO_COUNTS * (1.0 - 1e-9)}, {}, ""),  # what goes round but for so much is fine enough, too
         ({"spacing": TWO_COUNTS * (1.0 - 2e-9)}, {}, "must be at least 0.0490874 rad, 2 of 256 counts, got 0.0490874"),
