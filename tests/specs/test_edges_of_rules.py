@@ -2,19 +2,21 @@
 
 from math import pi
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from pydantic import TypeAdapter, ValidationError
 
 from hknob_cli.errors import SpecError, UsageError
-from hknob_cli.specs import cells
+from hknob_cli.specs import cells, remedies
 from hknob_cli.specs import size_limit as limits_of_size
 from hknob_cli.specs.campaign import HwRunPlan
 from hknob_cli.specs.capabilities import PARTS as PARTS_OF_TABLE
 from hknob_cli.specs.conditions import BEST_ESTIMATOR, ChoiceError, narrowed
+from hknob_cli.specs.declared import declared
 from hknob_cli.specs.driven import limited
 from hknob_cli.specs.electrical import _is_there
 from hknob_cli.specs.find_people import _drawn, find_people
@@ -25,7 +27,7 @@ from hknob_cli.specs.identification import ColumnPlan, SysidPlan
 from hknob_cli.specs.load import load, load_pipeline, load_text, validate
 from hknob_cli.specs.motor import Cogging
 from hknob_cli.specs.named_file import is_endless
-from hknob_cli.specs.over_angle import ways_round
+from hknob_cli.specs.over_angle import Detents, ways_round
 from hknob_cli.specs.parquet import opened
 from hknob_cli.specs.part import model_of
 from hknob_cli.specs.parts import Bias, Squeeze
@@ -65,9 +67,10 @@ from hknob_cli.specs.unit_points import UnitPoints
 from hknob_cli.specs.usual import USUAL, _text, unusual
 from hknob_cli.specs.virtual_apparatus import VirtualSpec
 from tests.conftest import ROOT, SPEC
+from tests.designs import DESIGN
 from tests.hardware.campaigns import REMEDIES, planned
 from tests.hardware.campaigns import SPEC as BENCH
-from tests.identified import conditions, write_conditions
+from tests.identified import condition, conditions, write_conditions
 from tests.specs.test_remedies import TRIAL
 
 HAND = "  hand: {inertia: 3.0e-7, damping: 3.45e-4, stiffness: 0.04}\n"
@@ -231,7 +234,13 @@ def test_a_population_may_fill_the_limit_of_cells() -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "key"), [("grid", ""), ("scene.knob.inertia.x=1", "scene.knob.inertia.x"), ("scne.knob=1", "scne.knob")]
+    ("text", "key"),
+    [
+        ("grid", ""),
+        ("scene.knob.inertia.x=1", "scene.knob.inertia.x"),
+        ("scne.knob=1", "scne.knob"),
+        ("name=[", "name"),
+    ],
 )
 def test_a_fault_of_an_override_has_no_line(text: str, key: str) -> None:
     with pytest.raises(SpecError) as raised:
@@ -314,6 +323,9 @@ PARTS: dict[str, tuple[Scene, set[str], set[str]]] = {
     ),
     "a push without a wall": (SCENE._replace(wall=Wall(0.0), bias=Bias(0.001)), {"bias", "unpushed"}, set()),
     "a push of nothing": (SCENE._replace(bias=Bias(0.0)), {"bias", "unpushed"}, set()),
+    "a push into detents": (
+        SCENE._replace(wall=Wall(0.0), bias=Bias(0.001), detents=Detents(0.001, 12)), {"detents"}, {"unpushed"},
+    ),
     "a push of half a count": (SCENE._replace(bias=Bias(half_quantum=True)), {"bias"}, {"unpushed"}),
     "a push into a wall": (SCENE._replace(bias=Bias(0.001)), {"bias"}, {"unpushed"}),
     "cogging of no torque": (SCENE._replace(cogging=Cogging(7, 0.0)), set(), {"cogging"}),
@@ -1061,3 +1073,123 @@ def test_nobody_knows_the_model_of_a_knob_at_a_port() -> None:
     text = SERIAL + "controller: {kind: matched_wall}\n"
     assert wrong(text) == ["model: required: matched_wall acts by a model of knob and hand, which nobody knows here"]
     assert wrong(text.replace("url: socket://localhost:1", "target: host")) == []
+
+
+def test_where_a_fit_begins() -> None:
+    text = SYSID.format(what="hand", more="recordings: [a.csv]")
+    for more, free in (("", False), ("excitation: continuous\n", True), ("initial_state: free\n", True)):
+        plan = load_text(text + more, "spec.yaml")
+        assert isinstance(plan, SysidPlan)
+        assert plan.motion.free_start is free
+
+
+def test_hands_of_a_trial_are_not_in_its_scene() -> None:
+    text = TRIAL.replace("    wall:", "    hand: {inertia: 1.0e-6}\n    wall:", 1)
+    with pytest.raises(SpecError) as raised:
+        load_text(text, "spec.yaml")
+    assert [(fault.key, fault.line, fault.column) for fault in raised.value.faults] == [("base.scene.hand", 6, 5)]
+
+
+def test_the_largest_grid_of_all_remedies_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = TRIAL.replace("{scene: {controller: {kind: bounded_lag}}}", "{grid: {sample_rate_hz: 2000}}")
+    text = text.replace("[1000], counts_per_rev: [1024]", "[1000, 2000], counts_per_rev: [1024]")
+    assert wrong(text) == []
+    monkeypatch.setattr(remedies, "MAX_CELLS", 1)
+    with pytest.raises(SpecError) as raised:
+        load_text(text, "spec.yaml")
+    assert [str(fault) for fault in raised.value.faults] == [
+        "spec.yaml:9:1: hands: must span at most 1 cells with the grid, got 2"
+    ]
+
+
+def test_rows_without_a_grip_are_no_row_of_one() -> None:
+    rows: list[dict[str, Any]] = [{"grip_target_n": None}, {"grip_target_n": 0.71}]
+    assert narrowed(rows, {"grip_n": 0.71}, ["grip_n"]) == rows[1:]
+
+
+def test_a_controller_of_which_a_part_hinders_is_not_named_twice() -> None:
+    said = _hindrance(frozenset({"controller", "speed_sensor", "finger"}), "one")
+    assert said == "a finger apart from the knob and a controller that reads a velocity sensor"
+
+
+def test_numbers_of_a_motor_that_are_varied() -> None:
+    motor = "  motor: {torque_constant: 0.0234, resistance: 12.3, winding: WINDING}\n  bias:"
+    text = SPEC.replace("  bias:", motor).replace("[1024]", "[1024]\n  motor.inductance: [0, 1.0e-3]")
+    for winding in ("shorted", "voltage"):
+        assert wrong(text.replace("WINDING", winding)) == []
+    assert wrong(text.replace("WINDING", "current")) == [
+        'grid["motor.inductance"]: must be absent where winding is current'
+    ]
+
+
+def test_a_winding_without_inductance_is_no_lag() -> None:
+    motor = "  motor: {torque_constant: 0.0234, resistance: 12.3, winding: voltage}\n"
+    assert wrong(SPEC.replace("grid:", motor + "  actuator: {time_constant: 1.0e-3}\ngrid:")) == []
+    device = SERIAL.replace("url: socket://localhost:1", "target: host")
+    assert wrong(device + motor.strip() + "\n") == []
+
+
+def test_a_passivity_controller_damps_in_every_cell() -> None:
+    controller = "  controller: {kind: passivity, damping: 1.0e-4}\ngrid:"
+    text = SPEC.replace("grid:", controller)
+    assert wrong(text) == []
+    assert wrong(text.replace("[1024]", "[1024]\n  controller.damping: [0, 1.0e-4]")) == [
+        'grid["controller.damping"]: must have a damping > 0 where kind is passivity: the most that it adds'
+    ]
+
+
+def test_whole_numbers_of_constant_columns() -> None:
+    text = SYSID.format(what="hand", more="recordings: [a.csv]\ncolumns: {block: {value: VALUE}}")
+    assert wrong(text.replace("VALUE", "2")) == []
+    assert wrong(text.replace("VALUE", "2.5")) == ["columns.block.value: must be a whole number, got 2.5"]
+
+
+def test_a_mean_over_persons_is_drawn_as_it_spreads(tmp_path: Path) -> None:
+    plan = people(tmp_path, [condition((1e-7, 3e-4, 0.04))], ", people: 3")
+    assert plan.scene.hand is not None
+    assert len(plan.scene.hand.by_person) == 3
+
+
+def test_a_mean_inertia_below_0_without_an_apparatus_cannot_be(tmp_path: Path) -> None:
+    rows = [condition((-1e-7, 3e-4, 0.04), apparatus_inertia_kg_m2=0.0)]
+    with pytest.raises(SpecError, match=r"has a mean inertia of -1e-07 kg\*m\^2, which must be > 0"):
+        people(tmp_path, rows)
+
+
+def test_patterns_go_round_to_nine_digits() -> None:
+    assert ways_round(2.0 * pi / 7.0 * (1.0 + 0.9e-9)) == (7, 1)
+    assert ways_round(2.0 * pi / 7.0 * (1.0 + 1.1e-9)) is None
+
+
+def test_a_part_that_is_wrong_by_itself() -> None:
+    assert wrong(SPEC.replace("{torque: 0.001}", "{}")) == [f"scene.bias: {Bias().wrong()}"]
+
+
+def test_a_part_that_is_declared_says_what_is_wrong() -> None:
+    """Of one that is declared here: those of the specs have been made when the program began."""
+
+    @declared()
+    class Stop(NamedTuple):
+        low: Annotated[float, "where it begins"] = 0.0
+
+        def wrong(self) -> str:
+            return "must be above 0" if self.low <= 0.0 else ""
+
+    adapter: TypeAdapter[Stop] = TypeAdapter(Stop)
+    assert adapter.validate_python({"low": 1.0}) == Stop(1.0)
+    with pytest.raises(ValidationError, match="must be above 0"):
+        adapter.validate_python({})
+
+
+def test_levels_of_a_study_are_those_that_are_listed() -> None:
+    text = "kind: sysid\nname: s\nstudy: {bias: {nuisances: {noise_rad: [0, 1.0e-4], decimation: [1, 10]}}}\n"
+    plan = load_text(text, "spec.yaml")
+    assert isinstance(plan, SysidPlan)
+    assert plan.study is not None
+    assert plan.study.bias is not None
+    assert plan.study.bias.nuisances == {"noise_rad": (0.0, 1e-4), "decimation": (1.0, 10.0)}
+
+
+def test_what_is_present_is_overridden_as_a_whole() -> None:
+    assert wrong(DESIGN, "present={}") == []
+    assert wrong(DESIGN, "present.sample_rate_hz=3")[0].startswith("present.sample_rate_hz: must be one of its choices")

@@ -13,6 +13,7 @@ from pydantic.fields import FieldInfo
 from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.specs.campaign import Course, Grip, Person
 from hknob_cli.specs.capabilities import EXACT, PROVEN, REFUSED, verdict_of
+from hknob_cli.specs.conditions import label
 from hknob_cli.specs.hand import HandSpec, hand_contradictions
 from hknob_cli.specs.load import _kind_fault, load, load_text, spec_model, validate
 from hknob_cli.specs.messages import message, shown
@@ -24,13 +25,13 @@ from hknob_cli.specs.part import _default
 from hknob_cli.specs.parts_there import parts_of
 from hknob_cli.specs.perception import Perceive
 from hknob_cli.specs.pipeline import _input_fault
-from hknob_cli.specs.plan import Encoder, Finger, Fingerpad, Hand, Knob, Scene, Wall
+from hknob_cli.specs.plan import Encoder, Finger, Fingerpad, Hand, Knob, Scene, SweepPlan, Wall
 from hknob_cli.specs.pulses import PulsePlan
 from hknob_cli.specs.refusals import _within
 from hknob_cli.specs.seal import _TAIL, tail_of
 from hknob_cli.specs.source import parse, span_of
 from hknob_cli.specs.standard_input import STDIN, all_named, given
-from hknob_cli.specs.starter import _named
+from hknob_cli.specs.starter import _comment, _named, starter
 from hknob_cli.specs.starts import RANDOM, StartsSpec
 from hknob_cli.specs.suggest import unknown_path
 from hknob_cli.specs.tried import ActingSpec, acting_faults
@@ -84,6 +85,9 @@ def test_an_unknown_key_may_be_each_that_ends_like_it() -> None:
     )
     assert str(unknown_path(spec_model("sweep"), "punch.duration")).startswith(
         "unknown key; did you mean 'record.pulse.duration'?"
+    )
+    assert "did you mean 'base.scene.hand.fingerpad.damping'?" in str(
+        unknown_path(spec_model("bench"), "fingerpad.damping")
     )
     assert str(unknown_path(spec_model("sweep"), "zzzzzzzz")).startswith("unknown key; allowed: kind, ")
 
@@ -321,6 +325,14 @@ def test_names_in_the_summary_of_a_page_have_values() -> None:
         assert fault.message.startswith("must have {names} of letters, digits and '_' only, got {size")
 
 
+def test_names_in_a_caption_have_values() -> None:
+    values = "values: {size: {check: dfa_ratio, with: {}}}"
+    text = REPORT.replace("caption: Seen.", f"caption: 'It is {{size}}.', {values}")
+    assert load_text(text, "page.yaml").name == "small-page"
+    (fault,) = faults(text.replace("It is {size}.", "It is so."))
+    assert (fault.key, fault.message) == ("chapters[0].figures[0]", "'size' is not in the text")
+
+
 def test_claims_are_beside_the_spec_of_a_page(tmp_path: Path) -> None:
     (tmp_path / "claims.yaml").write_text("claims: []\n")
     (tmp_path / "page.yaml").write_text(REPORT + "claims: claims.yaml\n")
@@ -364,3 +376,22 @@ def test_detents_beside_pulses_are_all_that_is_wrong() -> None:
     assert [str(one) for one in faults(PULSES + "detents: {per_revolution: 12, torque: 0.01}\n")] == [
         "spec.yaml:5:1: detents: must be absent with what: pulses: it is of a buzz"
     ]
+
+
+def test_words_of_a_comment_are_not_broken() -> None:
+    assert _comment(f"a {'x' * 200} b")[1].strip("# ") == "x" * 200
+
+
+def test_a_starter_says_what_its_preset_has() -> None:
+    text = starter("sweep", "smartknob")
+    scene = load_text("kind: sweep\nname: a\nscene: {from: smartknob}\ngrid: {}\n", "a.yaml")
+    assert isinstance(scene, SweepPlan)
+    assert f"# wall.stiffness = {scene.scene.wall.stiffness}\n" in text
+    rates, counts = scene.axes["sample_rate_hz"], scene.axes["counts_per_rev"]
+    assert f"# grid: {{sample_rate_hz: {rates[0]:g}, counts_per_rev: {counts[0]}}} " in text
+
+
+def test_whose_row_it_is() -> None:
+    row = {"experiment": "1", "grip_target_n": 0.71, "estimator": "output_error"}
+    assert label({**row, "subject": "s1"}) == "subject s1, experiment 1, 0.71 N, output_error"
+    assert label({**row, "subject": None}) == "the mean over persons, experiment 1, 0.71 N, output_error"

@@ -107,6 +107,14 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
         "scene.detents: spacing must be a whole part of a revolution, 2 pi / n, where there is no range, got 0.1: "
         "write per_revolution, or a range",
     ),
+    "one point that is to go round": (
+        {"profile": {"points": [[0, 0.1]], "periodic": True}},
+        "scene.profile: points: the last torque must be the first, 0.1, where it is periodic, got 0.1",
+    ),
+    "range of no width": (
+        {"detents": {"per_revolution": 12, "torque": 0.008, "range": [1, 1]}},
+        "scene.detents: range: the first angle must be below the second, got 1 and 1",
+    ),
     "range": (
         {"detents": {"per_revolution": 12, "torque": 0.008, "range": [1, -1]}},
         "scene.detents: range: the first angle must be below the second, got 1 and -1",
@@ -218,6 +226,13 @@ TWO_COUNTS = 4.0 * pi / 256.0
             {"dead_zone": 0.2},
             {"detents.spacing": [0.2, 0.5]},
             "must be below the spacing of the detents, 0.2 rad",
+        ),
+        ({}, {"detents.spacing": [0.02, 0.5]}, "must be at least 0.0490874 rad, 2 of 256 counts, got 0.02"),
+        ({"range": None}, {"detents.spacing": [0.1 * pi, 0.3]}, "must be a whole part of a revolution, 2 pi / n"),
+        (
+            {"spacing": None, "range": None, "per_revolution": 129},
+            {COUNTS: [256, 1024]},
+            "must be at most 128, one for every 2 of 256 counts, got 129",
         ),
         ({"spacing": None, "range": None, "per_revolution": 128}, {}, ""),
         ({"spacing": TWO_COUNTS * (1.0 - 1e-9)}, {}, ""),  # what goes round but for so much is fine enough, too

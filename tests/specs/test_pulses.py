@@ -131,3 +131,10 @@ def test_the_most_pulses_of_a_campaign() -> None:
     assert faults(BARE + "pulses: {grips: [1, 2, 3, 4], trials: 3}\nrepeats: 100\n") == [
         "p.yaml:4:39: pulses.trials: must be at most 1000 trials, with grips and repeats, got 1200"
     ]
+
+
+def test_what_damps_the_knob_goes_into_its_damping() -> None:
+    motor = "motor: {torque_constant: 0.0234, resistance: 12.3, winding: shorted}\n"
+    assert faults(BARE + motor) == [
+        "p.yaml:4:1: motor: must be absent with what: pulses: its damping goes into that of the knob"
+    ]

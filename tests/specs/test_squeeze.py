@@ -17,6 +17,7 @@ from hknob_cli.scene.sampled_cells import scene_along
 from hknob_cli.specs.bench import merged
 from hknob_cli.specs.hand import HandSpec
 from hknob_cli.specs.load import validate
+from hknob_cli.specs.parts import Bias, Wall
 from hknob_cli.specs.plan import COUNTS, GRIP, RATE, SweepPlan, placed, scene_at
 from hknob_cli.specs.source import Source
 from hknob_cli.specs.squeeze import grip_of, hand_at, squeezed
@@ -169,13 +170,14 @@ def test_a_grip_of_a_row_has_its_numbers_to_the_last_bit() -> None:
             assert hand_at(hand, grip)[:3] == row[:3]
 
 
-def test_a_wall_that_stiffens_asks_for_less_where_it_is_soft() -> None:
+@pytest.mark.parametrize("surface", [0.3, 0.5])
+def test_a_wall_that_stiffens_asks_for_less_where_it_is_soft(surface: float) -> None:
     """By SciPy's root of the balance at rest, T(d) + k d = g, k of the grip for T(d)."""
-    scene = planned({"controller": STIFFENING}).scene
+    scene = planned({"controller": {**STIFFENING, "surface": surface}}).scene
     grips, stiffness = zip(*((one.grip_n, one.stiffness) for one in grasps(1)), strict=True)
 
     def torque(depth: float) -> float:
-        return 0.27 * depth * (0.3 + 0.7 * min(depth / 0.2, 1.0))
+        return 0.27 * depth * (surface + (1.0 - surface) * min(depth / 0.2, 1.0))
 
     def grip(depth: float) -> float:
         return max(0.71, 1.5 * torque(depth) / (2.0 * 0.7 * 8.9e-3))
@@ -199,4 +201,6 @@ def test_the_smallest_knob_of_a_grid_asks_for_the_firmest_grip() -> None:
 def test_without_a_push_the_grip_is_that_of_the_hand() -> None:
     scene = planned().scene
     assert grip_of(scene._replace(bias=None)) == 0.71
+    assert grip_of(scene._replace(bias=Bias(half_quantum=True))) == 0.71
+    assert grip_of(scene._replace(wall=Wall(1.0))) > grip_of(scene)
     assert grip_of(scene) > 0.71
