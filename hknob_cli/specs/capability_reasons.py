@@ -114,4 +114,5 @@ AT = {
     ("unsampled", "perceive"): ("perceive",),
     ("jitter", "perceive"): ("perceive",),
     ("handless", "anywhere"): ("starts",),
+    ("handless", "basins"): ("basins",),
 }  # fmt: skip

@@ -144,5 +144,6 @@ def _too_light(spec: HandSpec, hand: plan.Hand, knob_inertia: float, axes: plan.
         if knob + added <= 0.0:
             whose = f"table {spec.table}" if spec.table else "the file"
             less = f"{whose} has {-added:g} kg*m^2 less than its apparatus without a hand"
-            found.append((place, f"must leave an inertia above 0: at {grip:g} N, {less}, and the knob has {knob:g}"))
+            at = f"at {grip:g} N, " if grip else ""
+            found.append((place, f"must leave an inertia above 0: {at}{less}, and the knob has {knob:g}"))
     return found

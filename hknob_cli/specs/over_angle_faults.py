@@ -49,7 +49,8 @@ def _of_detents(part: Detents, axes: Axes) -> Iterator[tuple[Place, str]]:
     place = _place(axes, "detents", "spacing")
     least = LEAST_COUNTS * 2.0 * pi / counts
     if not part.per_revolution and min(spacings) < least * (1.0 - 1e-9):
-        yield place, f"must be at least {least:.6g} rad, {LEAST_COUNTS} of {int(counts)} counts, got {min(spacings):g}"
+        said = f", {LEAST_COUNTS} of {int(counts)} counts" if COUNTS in axes else ""
+        yield place, f"must be at least {least:.6g} rad{said}, got {min(spacings):g}"
     if part.range is None:
         for value in spacings:
             ways = ways_round(value)

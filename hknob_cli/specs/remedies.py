@@ -130,24 +130,28 @@ def validate_remedies(source: Source) -> RemediesPlan:
                     derived_sweep(source, merged({**base, "grid": dict(case)}, change), places)
                     for case in spec.cases.values()
                 )
-                held = tuple(_held(case, hands) for case in cases)
-                found.append((Tuned(value, _held(grid, hands), held), grid, cases))
+                found.append((value, grid, cases))
         except SpecError as error:
             faults += error.faults
             continue
         _, grid, cases = found[0]
-        faults += [source.fault(here, text, at_key=True) for text in _misfit(grid, cases, axes)]
+        known = axes or set(grid.axes)  # a base that is wrong has not been resolved
+        faults += [source.fault(here, text, at_key=True) for text in _misfit(grid, cases, known)]
         if faults:
             continue
+        tuned = [
+            Tuned(value, _held(grid, hands), tuple(_held(case, hands) for case in cases))
+            for value, grid, cases in found
+        ]
         remedies.append(
             Remedy(
                 name=name,
                 needs=remedy.needs,
                 source=remedy.source,
-                grid=found[0][0].grid,
-                cases=found[0][0].cases,
+                grid=tuned[0].grid,
+                cases=tuned[0].cases,
                 tunes=next(iter(remedy.tune), ""),
-                tuned=tuple(one for one, _, _ in found) if remedy.tune else (),
+                tuned=tuple(tuned) if remedy.tune else (),
             )
         )
     faults = faults or _too_much(source, spec, remedies)

@@ -113,7 +113,7 @@ class SweepSpec(Part):
             found.append((("basins", "points"), text))
         if self.population and self.scene.hand:
             found.append((("scene", "hand"), "must be absent where a population is given, which has the hands"))
-        if self.record:
+        if self.record and starts in ("one", "phases"):  # of others it is a fault
             rows = self._recorded_rows(axes, points)
             if rows > MOST_ROWS:
                 text = f"must be shorter, or interval longer: {rows:.2g} rows would be recorded, at most {MOST_ROWS}"

@@ -14,8 +14,10 @@ import pytest
 from hknob_cli.cli import ask
 from hknob_cli.cli.ask import Interview, interview
 from hknob_cli.cli.new import _text
+from hknob_cli.errors import SpecError
 from hknob_cli.specs.load import load, load_pipeline
-from hknob_cli.specs.starter import starter
+from hknob_cli.specs.starter import own_starter, starter
+from hknob_cli.specs.starter_answers import questions, refuse
 from hknob_cli.stage_table import SPECS
 from tests.conftest import HKNOB, SPEC
 
@@ -101,6 +103,46 @@ def test_other_numbers_are_in_proportion(kind: str) -> None:
         assert plan.stiffness == pytest.approx(0.6)
         assert "- {value: 8000, cost: 1}" in text
         assert plan.present == {"sample_rate_hz": 2000.0, "counts_per_rev": 500}
+
+
+def test_lists_are_shown_and_taken_as_they_are_written() -> None:
+    person = Person({})
+    talk("dfa", person)
+    assert any(one.startswith("Sample rate, Hz [[500, 1000, 2000]]") for one in person.asked)
+    text, _ = talk("remedies", Person({"rate": "[2000, 4000]", "counts": "512"}))
+    assert "sample_rate_hz: [2000, 4000]" in text
+    assert "this knob: {sample_rate_hz: 2000, counts_per_rev: 512}" in text
+
+
+def test_other_numbers_of_a_preset_stay_its_own() -> None:
+    person = Person({"Presets": "smartknob", "Sample rate": "4000"})
+    text, _ = talk("design", person)
+    assert text == starter("design", "smartknob").replace(
+        "present: {sample_rate_hz: 1000", "present: {sample_rate_hz: 4000"
+    )
+
+
+def test_numbers_are_taken_to_the_last_digit_and_only_where_they_are_in_proportion() -> None:
+    text = own_starter("remedies", {"wall": {"stiffness": 0.6}}, {"sample_rate_hz": 44100.123456789})
+    assert "this knob: {sample_rate_hz: 44100.123456789, counts_per_rev: 1024}" in text
+    assert "    sample_rate_hz: 1000 " in text
+    assert "    wall: {stiffness: 0.27} " in text
+    assert "change: {scene: {wall: {stiffness: 0.3}}} " in text
+
+
+def test_a_comment_stays_apart_from_an_answer_that_is_long(tmp_path: Path) -> None:
+    inertia = f"1.9{30 * '0'}e-6"
+    text, _ = talk("sweep", Person({"Inertia": inertia}))
+    assert f"inertia: {inertia} # of knob and motor" in text
+
+
+def test_an_answer_that_is_neither_yes_nor_no_has_no_line() -> None:
+    text = starter("sweep")
+    (question,) = (one for one in questions("sweep", text) if one.comment == "starts")
+    with pytest.raises(SpecError) as raised:
+        refuse("sweep", text, {question: "often"}, Path())
+    (fault,) = raised.value.faults
+    assert (fault.line, fault.column, fault.message) == (0, 0, "must be yes or no")
 
 
 def test_a_wrong_answer_is_asked_again(tmp_path: Path) -> None:

@@ -2,15 +2,17 @@
 
 import subprocess
 import sys
+import time
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from hknob_cli.engine import jit, linking
 from tests.conftest import ROOT
 from tests.mutation.accepted import KINDS
-from tests.mutation.campaign import forget, nothing_compiled
+from tests.mutation.campaign import forget, nothing_compiled, stopped_after
 from tests.mutation.mutate import mutants
 from tests.mutation.table import WATCHED, path_of, watchers_of
 
@@ -148,3 +150,20 @@ def test_no_change_of_a_proof_goes_unseen(name: str, function: str) -> None:
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "0 survived" in done.stdout
+
+
+def test_a_compiler_is_let_end_and_what_comes_behind_it_is_stopped() -> None:
+    """An exception in a function that LLVM has called ends the process."""
+
+    def spend(seconds: float) -> None:
+        end = time.process_time() + seconds
+        while time.process_time() < end:
+            pass
+
+    compiler: dict[str, Any] = {}
+    exec(compile("def call(function):\n    function()\n", "/lib/llvmlite/binding/ffi.py", "exec"), compiler)
+    done = []
+    with stopped_after(0.01):
+        compiler["call"](lambda: done.append(spend(0.3)))
+        done.append(spend(60.0))
+    assert len(done) == 1

@@ -6,6 +6,7 @@ import pytest
 
 from hknob_cli.errors import SpecError
 from hknob_cli.printed.tables import grasps
+from hknob_cli.specs import design_check
 from hknob_cli.specs.design_plan import DesignPlan
 from hknob_cli.specs.load import load
 from hknob_cli.specs.plan import PERSON
@@ -55,6 +56,12 @@ def test_people_are_a_population_too() -> None:
         ("cost: 0.5", "cost: @-1", "must be >= 0, got -1"),
         ("knob.damping:\n", "@knob.dampling:\n", "did you mean 'knob.damping'?"),
         ("knob.damping:\n", "@hand.damping:\n", "must be of the device"),
+        ("- {table: 1,", "- {@tabel: 1,", "unknown key; did you mean 'table'? "),
+        (
+            "- {table: 2, grip_n: 2.4}",
+            "- @{finger: {inertia: 1.0e-6, stiffness: 1}, fingerpad: {stiffness: 1}}",
+            "must be a table's or by inertia, damping and stiffness",
+        ),
         ("{at_least: 0.26}", "{at_least: 0.26, @at_leas: 1}", "did you mean 'at_least'?"),
         ("touch: {above_present: 0}", "touch: @{people: 0.1}", "must have exactly one of 'at_most' and"),
         ("touch: {above_present: 0}", "touch: {above_present: 0, people: @1.5}", "must be < 1, got 1.5"),
@@ -167,3 +174,12 @@ def test_too_many_designs_are_refused() -> None:
     text = DESIGN.replace("    - {value: 360, cost: 0, label: direct}\n", many + "\n")
     text = text.replace("    - {value: 5.0e-4, cost: 1}\n", listed + "\n").replace("    - {value: 1440, cost: 2}\n", "")
     assert "must span at most 20000 designs" in faults(text)[0]
+
+
+def test_the_most_designs(monkeypatch: pytest.MonkeyPatch) -> None:
+    size = planned().size
+    monkeypatch.setattr(design_check, "MOST_DESIGNS", size)
+    assert planned().size == size
+    monkeypatch.setattr(design_check, "MOST_DESIGNS", size - 1)
+    (found,) = faults(DESIGN)
+    assert f"at most {size - 1}" in found

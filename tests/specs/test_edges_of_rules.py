@@ -2,23 +2,28 @@
 
 from math import pi
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, NamedTuple
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from pydantic import TypeAdapter, ValidationError
 
 from hknob_cli.errors import SpecError, UsageError
-from hknob_cli.specs import cells
-from hknob_cli.specs.campaign import HwRunPlan
-from hknob_cli.specs.conditions import BEST_ESTIMATOR, ChoiceError, narrowed
-from hknob_cli.specs.find_people import _drawn
-from hknob_cli.specs.load import load, load_text, validate
-from hknob_cli.specs.over_angle import ways_round
+from hknob_cli.specs import size_limit as limits_of_size
+from hknob_cli.specs.capabilities import PARTS as PARTS_OF_TABLE
+from hknob_cli.specs.declared import declared
+from hknob_cli.specs.electrical import _is_there
+from hknob_cli.specs.load import load_text
+from hknob_cli.specs.motor import Cogging
+from hknob_cli.specs.named_file import is_endless
+from hknob_cli.specs.over_angle import Detents, ways_round
 from hknob_cli.specs.parquet import opened
-from hknob_cli.specs.parts import Bias
+from hknob_cli.specs.part import model_of
+from hknob_cli.specs.parts import Bias, Squeeze
 from hknob_cli.specs.parts_there import parts_of
-from hknob_cli.specs.people import Spread
+from hknob_cli.specs.perception import Background, Hearing, Perceive
 from hknob_cli.specs.plan import (
     Actuator,
     Controller,
@@ -27,21 +32,17 @@ from hknob_cli.specs.plan import (
     Fingerpad,
     Hand,
     Knob,
-    Points,
     Scene,
+    SweepPlan,
     Wall,
 )
-from hknob_cli.specs.population import PopulationSpec
-from hknob_cli.specs.remedies import RemediesPlan
+from hknob_cli.specs.promise import _hindrance
 from hknob_cli.specs.size_limit import VARIABLE, size_limit
-from hknob_cli.specs.source import parse
-from hknob_cli.specs.sysid import MOST_TRIALS
-from tests.conftest import ROOT, SPEC
-from tests.hardware.campaigns import SPEC as BENCH
-from tests.specs.test_remedies import TRIAL
+from hknob_cli.specs.source import dotted, parse
+from hknob_cli.specs.usual import USUAL, _text, unusual
+from tests.conftest import SPEC
 
 HAND = "  hand: {inertia: 3.0e-7, damping: 3.45e-4, stiffness: 0.04}\n"
-SYSID = "kind: sysid\nname: s\nwhat: {what}\n{more}\nestimators: [output_error]\n"
 
 
 def wrong(text: str, *overrides: str) -> list[str]:
@@ -53,134 +54,10 @@ def wrong(text: str, *overrides: str) -> list[str]:
     return []
 
 
-def test_cells_of_a_design_are_the_same_in_any_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
-    design = cells.cells_over({"a": [0.0, 1.0], "b": [1.0, 9.0]}, Points("sobol", 10, 3, {"a": "lin", "b": "lin"}))
-    columns = design.columns(0, 10)
-    monkeypatch.setattr(cells, "_AT_ONCE", 3)
-    assert [list(cell.values()) for cell in design.run(0, 10)] == [
-        list(row) for row in zip(*(one.tolist() for one in columns.values()), strict=True)
-    ]
-
-
-def test_a_falling_range_on_a_log_scale_is_powers_of_its_ratio() -> None:
-    shares = [i / 97 for i in range(98)]
-    assert cells.log_between(7.0, 0.3, shares) == [7.0 * (0.3 / 7.0) ** share for share in shares]
-
-
-def test_the_best_estimator_is_chosen_among_estimators_alone() -> None:
-    """A subject may be called like it."""
-    rows: list[dict[str, Any]] = [{"subject": one, "estimator": BEST_ESTIMATOR} for one in (BEST_ESTIMATOR, "S1")]
-    with pytest.raises(ChoiceError, match="missing, and required"):
-        narrowed(rows, {}, ["subject"])
-    rows = [{"subject": "S1", "estimator": one} for one in (BEST_ESTIMATOR, "least_squares")]
-    assert narrowed(rows, {}, ["estimator"]) == rows[:1]
-    with pytest.raises(ChoiceError):
-        narrowed([{"estimator": "a"}, {"estimator": "b"}], {}, ["estimator"])
-
-
-def test_a_mean_hand_without_damping_or_stiffness_is_not_drawn() -> None:
-    spec = PopulationSpec(table=1, grip_n=0.71, people=3, seed=1)
-    for damping, stiffness in ((0.0, 0.04), (3e-4, 0.0)):
-        with pytest.raises(ChoiceError, match="has a mean damping of"):
-            _drawn(Spread((3e-7, damping, stiffness), (1e-7, 1e-4, 0.01)), spec, 0.0)
-
-
 def test_what_is_missing_at_the_end_of_a_list_has_its_place() -> None:
     detents = "{stiffness: 0.27}\n  profile: {points: [[0.1], [1, 2]]}"
     assert wrong(SPEC.replace("{stiffness: 0.27}", detents))[0].startswith("scene.profile.points[0][1]: missing")
     assert wrong(SPEC.replace("[1000]", "{log: [1, 10]}"))[0].startswith("grid.sample_rate_hz.log[2]: missing")
-
-
-def test_a_unit_of_a_column_that_is_no_quantity() -> None:
-    text = SYSID.format(what="hand", more="recordings: [a.csv]\ncolumns: {trial: {from: no, unit: mm}}")
-    assert wrong(text) == ["columns.trial.unit: must be absent: this column is no quantity"]
-
-
-def test_nuisances_and_person_are_kept() -> None:
-    plan = validate(parse(BENCH + "nuisances: {jitter: 1e-6}\n", "spec.yaml"))
-    assert isinstance(plan, HwRunPlan)
-    assert plan.nuisances.jitter == 1e-6
-    assert not plan.person.wandering_push
-
-
-SERIAL = BENCH.replace("kind: hw-run\n", "kind: hw-run\ndevice: {driver: serial, url: socket://localhost:1}\n")
-# A campaign's spec with one change, and what is wrong with it, if anything.
-CAMPAIGNS: dict[str, tuple[str, str]] = {
-    "grip as wide as its target": (BENCH + "grip: {target: 0.7, band: 0.7}\n", "grip.band: must be < the target of"),
-    "a grip less wide": (BENCH + "grip: {target: 0.7, band: 0.69}\n", ""),
-    "no grip": (BENCH + "grip: none\n", ""),
-    "the slowest rate": (BENCH.replace("[1000, 2000]", "[1]"), ""),
-    "slower": (BENCH.replace("[1000, 2000]", "[0.5]"), "grid.sample_rate_hz[0]: must be 1 to 1000000 Hz, got 0.5"),
-    "the fastest rate": (BENCH.replace("[1000, 2000]", "[1000000]"), ""),
-    "faster": (BENCH.replace("[1000, 2000]", "[1000001]"), "grid.sample_rate_hz[0]: must be 1 to 1000000 Hz"),
-    "a watchdog of two samples": (SERIAL + "limits: {watchdog: 0.002}\n", ""),
-    "a watchdog of less": (
-        SERIAL + "limits: {watchdog: 0.0019}\n",
-        "limits.watchdog: must be two samples at least, 0.002 s at 1000 Hz, got 0.0019",
-    ),
-    "the port of another driver": (BENCH + "device: {url: /dev/x}\n", "device.url: "),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("name", CAMPAIGNS)
-def test_limits_of_a_campaign(name: str) -> None:
-    text, said = CAMPAIGNS[name]
-    found = wrong(text)
-    assert len(found) == bool(said)
-    assert not said or found[0].startswith(said)
-
-
-def test_the_longest_trial_of_a_campaign() -> None:
-    """20 million samples: 0.5 s before the wall, and 199.5 s with it, at 100 kHz."""
-    text = BENCH.replace("[1000, 2000]", "[100000]").replace("zero: 0.05", "zero: 0.5")
-    assert wrong(text.replace("longest: 2", "longest: 199.5")) == []
-    assert [one.split(":")[0] for one in wrong(text.replace("longest: 2", "longest: 199.51"))] == ["trial.longest"]
-
-
-def test_the_most_trials_of_a_campaign_count_its_remedies() -> None:
-    remedies = "remedies: {plain wall: {}, soft: {change: {wall: {stiffness: 0.1}}}}\n"
-    five = BENCH.replace("[1000, 2000]", "[1000, 1001, 1002, 1003, 1004]").replace("[256, 512]", "[256]")
-    six = five.replace("1004", "1004, 1005")
-    eleven = six.replace("1005", "1005, 1006, 1007, 1008, 1009, 1010")
-    assert wrong(f"{eleven}repeats: 100\n") == ["grid: must be at most 1000 trials with repeats, got 1100"]
-    assert wrong(f"{five}{remedies}repeats: 100\n") == []
-    assert wrong(f"{six}{remedies}repeats: 100\n") == [
-        "grid: must be at most 1000 trials with repeats and remedies, got 1200"
-    ]
-
-
-def test_a_stage_is_read_by_its_kind() -> None:
-    assert load(ROOT / "experiments" / "smoke_grid.yaml", kind="sweep").name == "smoke-grid"
-
-
-def test_a_pipeline_is_no_stage() -> None:
-    text = "kind: pipeline\nname: p\nstages: {}\n"
-    with pytest.raises(SpecError, match=r"got 'pipeline'$") as raised:
-        validate(parse(text, "spec.yaml"))
-    assert "one of: sysid, sweep, " in str(raised.value)
-
-
-def test_a_grid_may_fill_the_limit_of_cells() -> None:
-    text = SPEC + "limits: {max_cells: 2}\n"
-    assert wrong(text.replace("[1024]", "[512, 1024]")) == []
-    assert [one.split(":")[0] for one in wrong(text.replace("[1024]", "[512, 1024, 2048]"))] == ["grid"]
-
-
-def test_a_population_may_fill_the_limit_of_cells() -> None:
-    people = "population: {table: 1, grip_n: 0.71, people: PEOPLE, seed: 1}\nlimits: {max_cells: 100}\n"
-    text = SPEC.replace(HAND, "") + people
-    assert wrong(text.replace("PEOPLE", "100")) == []
-    assert [one.split(":")[0] for one in wrong(text.replace("PEOPLE", "101"))] == ["population"]
-
-
-@pytest.mark.parametrize(
-    ("text", "key"), [("grid", ""), ("scene.knob.inertia.x=1", "scene.knob.inertia.x"), ("scne.knob=1", "scne.knob")]
-)
-def test_a_fault_of_an_override_has_no_line(text: str, key: str) -> None:
-    with pytest.raises(SpecError) as raised:
-        load(ROOT / "experiments" / "smoke_grid.yaml", (text,))
-    (fault,) = raised.value.faults
-    assert (fault.where, fault.line, fault.column, fault.key) == (f"--set {text}", 0, 0, key)
 
 
 @pytest.mark.parametrize(
@@ -215,15 +92,58 @@ def test_a_bias_is_either() -> None:
 
 
 SCENE = Scene(Knob(1.9e-6), Wall(0.27), encoder=Encoder())
+
+
 IMPULSE = Controller("impulse_damping")
+
+
 PARTS: dict[str, tuple[Scene, set[str], set[str]]] = {
-    "nothing": (SCENE, {"handless", "unpushed", "undamped", "unheld"}, {"friction", "pulses", "knob_model", "delay"}),
+    "nothing": (
+        SCENE,
+        {"handless", "unpushed", "undamped", "unheld"},
+        set(PARTS_OF_TABLE) - {"handless", "unpushed", "undamped", "unheld"},
+    ),
+    "an encoder with all there is to it": (
+        SCENE._replace(encoder=Encoder("nearest", 1.0, 1.0, 1.0)),
+        {"rounding", "offset", "hysteresis", "backlash"}, set(),
+    ),
+    "an amplifier with all there is to it": (
+        SCENE._replace(actuator=Actuator(1.0, 1.0, 1.0, 1.0, 1.0)),
+        {"delay", "lag", "torque_limit", "torque_step", "dead_band"}, set(),
+    ),
     "friction": (SCENE._replace(knob=Knob(1.9e-6, coulomb_torque=1e-4)), {"friction"}, {"undamped"}),
     "a delay": (SCENE._replace(actuator=Actuator(delay_samples=1.0)), {"delay"}, {"lag"}),
     "a finger held through its pad": (
         SCENE._replace(hand=Hand(finger=Finger(1e-6, stiffness=0.1), fingerpad=Fingerpad(stiffness=0.2))),
         {"finger"}, {"unheld", "handless"},
     ),
+    "a knob as damped as its finger": (
+        SCENE._replace(
+            knob=Knob(1.9e-6, damping=1e-3), hand=Hand(finger=Finger(1e-6, damping=1e-3), fingerpad=Fingerpad())
+        ),
+        {"finger", "knob_damping"}, {"undamped"},
+    ),
+    "a finger that nothing holds": (
+        SCENE._replace(hand=Hand(finger=Finger(1e-6), fingerpad=Fingerpad(stiffness=1.0))), {"unheld"}, set(),
+    ),
+    "a finger held by a pad of 1 N*m/rad": (
+        SCENE._replace(hand=Hand(finger=Finger(1e-6, stiffness=0.1), fingerpad=Fingerpad(stiffness=1.0))),
+        {"finger"}, {"unheld"},
+    ),
+    "two torques in an interval": (
+        SCENE._replace(controller=Controller("first_order_hold", steps=2)), {"pulses"}, set(),
+    ),
+    "two readings in an interval": (
+        SCENE._replace(controller=Controller("bounded_lag", detections=2)), {"several_readings"}, set(),
+    ),
+    "a push without a wall": (SCENE._replace(wall=Wall(0.0), bias=Bias(0.001)), {"bias", "unpushed"}, set()),
+    "a push of nothing": (SCENE._replace(bias=Bias(0.0)), {"bias", "unpushed"}, set()),
+    "a push into detents": (
+        SCENE._replace(wall=Wall(0.0), bias=Bias(0.001), detents=Detents(0.001, 12)), {"detents"}, {"unpushed"},
+    ),
+    "a push of half a count": (SCENE._replace(bias=Bias(half_quantum=True)), {"bias"}, {"unpushed"}),
+    "a push into a wall": (SCENE._replace(bias=Bias(0.001)), {"bias"}, {"unpushed"}),
+    "cogging of no torque": (SCENE._replace(cogging=Cogging(7, 0.0)), set(), {"cogging"}),
     "a whole pulse": (SCENE._replace(controller=IMPULSE._replace(pulse=1.0)), {"controller"}, {"pulses", "knob_model"}),
     "a short pulse": (SCENE._replace(controller=IMPULSE._replace(pulse=0.9)), {"pulses"}, {"knob_model"}),
     "a short pulse of another kind": (
@@ -240,7 +160,7 @@ def test_parts_of_a_scene(name: str) -> None:
     assert not absent & found
 
 
-@pytest.mark.parametrize("text", ["1.5", "-1", "0", "+2", "10000", "1e3", "\u0663", "x"])
+@pytest.mark.parametrize("text", ["1.5", "-1", "0", "+2", "10000", "1e3", "\u0663", "x", "00001", "1" * 5000])
 def test_a_limit_of_size_that_is_no_whole_number(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(VARIABLE, text)
     with pytest.raises(UsageError, match="must be a whole number from 1 to "):
@@ -268,62 +188,115 @@ def test_squeeze_without_a_hand() -> None:
     assert "scene.squeeze: must be absent where the hand has no table: it is of one grip" in wrong(text)
 
 
-def test_starts_of_a_sweep_are_looked_at() -> None:
-    assert [one.split(":")[0] for one in wrong(SPEC.replace("phases: 8", "random: 8"))] == ["starts.random"]
-    assert wrong(SPEC.replace("{angle: 0.02, phases: 8}", "anywhere")) == []
+def test_values_of_a_spec_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The mapping, and four times a list of six, which is written once."""
+    text = "a: &list [1, 2, 3, 4, 5, 6]\nb: *list\nc: *list\nd: *list\n"
+    monkeypatch.setattr(limits_of_size, "_VALUES", 29)
+    assert sum(map(len, parse(text, "spec.yaml").value.values())) == 24
+    monkeypatch.setattr(limits_of_size, "_VALUES", 28)
+    with pytest.raises(SpecError, match="more than 28 keys and values"):
+        parse(text, "spec.yaml")
 
 
-def test_the_most_virtual_trials() -> None:
-    """Of one person in one block at one grip, with pulses of the usual length; a longer input counts as more."""
-    one = "virtual: {subjects: 1, experiments: [EXPERIMENT], grips: GRIPS, blocks: BLOCKS, trials: 1000INPUT}"
-    text = SYSID.format(what="hand", more=one).replace("EXPERIMENT", "1")
-    most = text.replace("GRIPS", "[0]").replace("BLOCKS", str(MOST_TRIALS // 1000))
-    assert wrong(most.replace("INPUT", "")) == []
-    most += "excitation: continuous\n"
-    assert wrong(most.replace("INPUT", ", input: {kind: step, duration: 0.065}")) == []
-    assert wrong(most.replace("INPUT", ", input: {kind: step, duration: 0.02}")) == []
-    assert wrong(most.replace("INPUT", ", input: {kind: step, duration: 0.13}")) == [
-        "virtual: must make at most 25000 trials with these subjects, blocks and grips, got 50000"
-    ]
-    more = text.replace("GRIPS", "[0]").replace("BLOCKS", str(MOST_TRIALS // 1000 + 1)) + "excitation: continuous\n"
-    for given in ("0.065", "0.02"):
-        found = wrong(more.replace("INPUT", f", input: {{kind: step, duration: {given}}}"))
-        assert found[0].startswith("virtual: must make at most 50000 trials with these ")
+def test_a_noise_masks_what_has_a_level() -> None:
+    noise = Hearing(background=Background(60.0))
+    assert Perceive(0.02, hearing=noise, sound_gain=1.0).wrong() == ""
+    assert Perceive(0.02, hearing=noise).wrong().startswith("hearing.background: must be absent without sound_gain")
 
 
-def velocity(text: str, **axes: str) -> list[str]:
-    """Faults of a controller that damps with a velocity."""
-    controller = f"\n  controller: {{kind: velocity_damping, damping: 1e-4, {text}}}"
-    grid = "".join(f"\n  {key.replace('__', '.')}: {value}" for key, value in axes.items())
-    return wrong(SPEC.replace("{stiffness: 0.27}", "{stiffness: 0.27}" + controller).replace("[1024]", "[1024]" + grid))
+def test_a_frequency_out_of_order_is_named_by_its_number() -> None:
+    said = Perceive(0.02, sound_response=((10.0, 1.0), (100.0, 1.0), (50.0, 1.0))).wrong()
+    assert said == "sound_response: frequencies must increase, got 50 after 100 (point 3)"
 
 
-def test_windows_and_bandwidths_of_a_velocity() -> None:
-    assert velocity("velocity: adaptive, window: 2") == []
-    assert velocity("velocity: adaptive, window: 1")[0].startswith("scene.controller.window: ")
-    assert velocity("velocity: tracking, bandwidth: 499") == []
-    assert velocity("velocity: tracking, bandwidth: 100", controller__bandwidth="[100, 499]") == []
-    assert velocity("velocity: tracking, bandwidth: 100", controller__bandwidth="[100, 500]")[0].startswith(
-        'grid["controller.bandwidth"]: must be < 500 rad/s at 1000 Hz, got 500'
-    )
+def test_what_is_usual_is_not_warned_of() -> None:
+    assert unusual(load_text(SPEC, "spec.yaml")) == []
+    for limit in ("1.0e-4", "10"):
+        text = SPEC.replace("  bias:", f"  actuator: {{torque_limit: {limit}}}\n  bias:")
+        assert unusual(load_text(text, "spec.yaml")) == []
+    light = load_text(SPEC.replace(HAND, "  hand: {table: 1, grip_n: 14.2}\n"), "spec.yaml")
+    assert isinstance(light, SweepPlan)
+    assert light.scene.hand is not None
+    assert light.scene.hand.inertia < 0.0
+    assert unusual(light) == []
+    heavy, heavier = (_text("knob.inertia", value, USUAL["knob.inertia"]) for value in (19.0, 1e12))
+    assert heavy.endswith("; if 19 g*cm^2 is meant, write the unit")
+    assert "meant" not in heavier
+    most = USUAL["knob.inertia"].largest / 1e-7  # in g*cm^2
+    assert "meant" in _text("knob.inertia", 0.9 * most, USUAL["knob.inertia"])
+    assert "meant" not in _text("knob.inertia", 1.1 * most, USUAL["knob.inertia"])
+    slow = load_text(SPEC.replace("[1000]", "[1, 1000]"), "spec.yaml")
+    assert [one.partition(" Hz")[0] for one in unusual(slow)] == ["warning: sample_rate_hz: 1"]
+    said = _text("hand.inertia", -1.5, USUAL["hand.inertia"])  # of a file, without its apparatus
+    assert said.startswith("warning: hand.inertia: -1.5 kg*m^2 is unusually large; ")
 
 
-def test_every_value_of_a_tuned_remedy_is_planned() -> None:
-    text = TRIAL.replace(
-        "    change: {scene: {con", "    tune: {controller.keep: [0.1, 0.2]}\n    change: {scene: {con"
-    )
-    plan = validate(parse(text, "spec.yaml"))
-    assert isinstance(plan, RemediesPlan)
-    assert [[one.value for one in remedy.tuned] for remedy in plan.remedies] == [[], [0.1, 0.2]]
+@pytest.mark.parametrize("value", [np.array([0.0, 1.0]), np.array([1.0, 2.0]), 1.0])
+def test_a_lag_of_any_cell_is_there(value: Any) -> None:
+    assert _is_there(value) is True
+    assert _is_there(0.0 * value) is False
+
+
+def test_the_usual_limit_of_size() -> None:
+    assert size_limit() == (1_000_000, 100_000, 1000, 1)
+
+
+def test_the_largest_limit_of_size(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(VARIABLE, "1000")
+    assert size_limit() == (1_000_000_000, 100_000_000, 1_000_000, 1000)
+
+
+def test_the_longest_key_that_is_said_whole() -> None:
+    assert dotted(("a" * 60, "b" * 61)) == f"{'a' * 60}.{'b' * 57}..."
 
 
 @pytest.mark.parametrize(
-    ("scene", "grid"),
-    [("{sampling: continuous, ", "{counts_per_rev: [1024]}"), ("{encoder: none, ", "{sample_rate_hz: [1000]}")],
-    ids=["no clock", "no counts"],
+    ("part", "what"), [("finger", "a finger apart from the knob"), ("coil", "a winding with inductance")]
 )
-def test_remedies_act_at_a_rate_and_on_counts(scene: str, grid: str) -> None:
-    text = TRIAL.replace("  scene:\n    knob: {inertia: 1.9e-6}\n    wall: {stiffness: 0.27}\n", f"  scene: {scene}"
-                         "knob: {inertia: 1.9e-6}, wall: {stiffness: 0.27}}\n")  # fmt: skip
-    text = text.replace("{sample_rate_hz: [1000], counts_per_rev: [1024]}", grid)
-    assert wrong(text) == ["base.scene: must be sampled, and have an encoder: remedies act at a sample rate, on counts"]
+def test_a_controller_is_named_beside_what_hinders_it(part: str, what: str) -> None:
+    for kind in ("one", "ranges"):
+        assert _hindrance(frozenset({"controller", part}), kind) == f"a controller beside {what}"
+
+
+def test_hysteresis_and_slack_add() -> None:
+    assert Encoder(hysteresis_counts=0.5, backlash=0.003).width_counts(0.001) == 0.5 + 0.003 / 0.001
+
+
+def test_a_folder_ends(tmp_path: Path) -> None:
+    assert not is_endless(tmp_path)
+    assert is_endless(Path("/dev/null"))
+
+
+def test_a_key_says_what_it_is_in_the_schema() -> None:
+    text = model_of(Squeeze).model_json_schema()["properties"]["friction"]["description"]
+    assert "coefficient of friction" in text
+
+
+def test_a_controller_of_which_a_part_hinders_is_not_named_twice() -> None:
+    said = _hindrance(frozenset({"controller", "speed_sensor", "finger"}), "one")
+    assert said == "a finger apart from the knob and a controller that reads a velocity sensor"
+
+
+def test_patterns_go_round_to_nine_digits() -> None:
+    assert ways_round(2.0 * pi / 7.0 * (1.0 + 0.9e-9)) == (7, 1)
+    assert ways_round(2.0 * pi / 7.0 * (1.0 + 1.1e-9)) is None
+
+
+def test_a_part_that_is_wrong_by_itself() -> None:
+    assert wrong(SPEC.replace("{torque: 0.001}", "{}")) == [f"scene.bias: {Bias().wrong()}"]
+
+
+def test_a_part_that_is_declared_says_what_is_wrong() -> None:
+    """Of one that is declared here: those of the specs have been made when the program began."""
+
+    @declared()
+    class Stop(NamedTuple):
+        low: Annotated[float, "where it begins"] = 0.0
+
+        def wrong(self) -> str:
+            return "must be above 0" if self.low <= 0.0 else ""
+
+    adapter: TypeAdapter[Stop] = TypeAdapter(Stop)
+    assert adapter.validate_python({"low": 1.0}) == Stop(1.0)
+    with pytest.raises(ValidationError, match="must be above 0"):
+        adapter.validate_python({})

@@ -3,29 +3,35 @@
 import io
 import re
 import sys
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import pytest
 from pydantic.fields import FieldInfo
 
-from hknob_cli.errors import Fault, SpecError
+from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.specs.campaign import Course, Grip, Person
+from hknob_cli.specs.capabilities import EXACT, PROVEN, REFUSED, verdict_of
+from hknob_cli.specs.conditions import label
 from hknob_cli.specs.hand import HandSpec, hand_contradictions
 from hknob_cli.specs.load import _kind_fault, load, load_text, spec_model, validate
-from hknob_cli.specs.messages import shown
+from hknob_cli.specs.messages import message, shown
+from hknob_cli.specs.named_file import inside
 from hknob_cli.specs.over_angle import EndStops
+from hknob_cli.specs.page_plan import ReportPlan
+from hknob_cli.specs.parquet import why_unreadable
 from hknob_cli.specs.part import _default
 from hknob_cli.specs.parts_there import parts_of
 from hknob_cli.specs.perception import Perceive
 from hknob_cli.specs.pipeline import _input_fault
-from hknob_cli.specs.plan import Encoder, Finger, Fingerpad, Hand, Knob, Scene, Wall
+from hknob_cli.specs.plan import Encoder, Finger, Fingerpad, Hand, Knob, Scene, SweepPlan, Wall
 from hknob_cli.specs.pulses import PulsePlan
 from hknob_cli.specs.refusals import _within
 from hknob_cli.specs.seal import _TAIL, tail_of
 from hknob_cli.specs.source import parse, span_of
-from hknob_cli.specs.standard_input import given
-from hknob_cli.specs.starter import _named
+from hknob_cli.specs.standard_input import STDIN, all_named, given
+from hknob_cli.specs.starter import _comment, _named, starter
 from hknob_cli.specs.starts import RANDOM, StartsSpec
 from hknob_cli.specs.suggest import unknown_path
 from hknob_cli.specs.tried import ActingSpec, acting_faults
@@ -74,6 +80,16 @@ def test_an_unknown_key_may_be_each_that_ends_like_it() -> None:
     assert said is not None
     assert said.startswith("unknown key; did you mean 'scene.")
     assert said.partition("?")[0].count(" or ") == 2
+    assert str(unknown_path(spec_model("sweep"), "pulse.durtion")).startswith(
+        "unknown key; did you mean 'record.pulse.duration'?"
+    )
+    assert str(unknown_path(spec_model("sweep"), "punch.duration")).startswith(
+        "unknown key; did you mean 'record.pulse.duration'?"
+    )
+    assert "did you mean 'base.scene.hand.fingerpad.damping'?" in str(
+        unknown_path(spec_model("bench"), "fingerpad.damping")
+    )
+    assert str(unknown_path(spec_model("sweep"), "zzzzzzzz")).startswith("unknown key; allowed: kind, ")
 
 
 def test_sixty_letters_are_shown() -> None:
@@ -84,7 +100,12 @@ def test_sixty_letters_are_shown() -> None:
 def test_the_yaml_that_cannot_be_read_at_all_is_at_its_begin() -> None:
     (fault,) = faults("kind: sweep\nname: \x01\n")
     assert (fault.line, fault.column) == (1, 1)
-    assert fault.message.startswith("not YAML: ")
+    assert fault.message == "not YAML: unacceptable character #x0001: special characters are not allowed"
+
+
+def test_what_the_parser_was_reading_is_said_in_brackets() -> None:
+    (fault,) = faults("a: [1\n")
+    assert fault.message == "not YAML: expected ',' or ']', but got '<stream end>' (while parsing a flow sequence)"
 
 
 @pytest.mark.parametrize("text", ["a: 1", "a: [1, 2]"])
@@ -108,7 +129,7 @@ def test_a_default_that_is_a_part_is_made_anew() -> None:
 
 @pytest.mark.parametrize(
     ("knob", "pad", "finger", "damped"),
-    [(0.0, 1e-3, 1e-3, True), (0.0, 0.0, 0.0, False), (1e-3, 0.0, 0.0, True), (0.0, 1e-3, 0.0, True)],
+    [(*dampings, any(dampings)) for dampings in product((0.0, 1e-3), repeat=3)],
 )
 def test_dampers_of_finger_and_pad_add(knob: float, pad: float, finger: float, *, damped: bool) -> None:
     hand = Hand(
@@ -147,6 +168,15 @@ def test_the_tail_of_a_file(size: int, tmp_path: Path) -> None:
     assert tail_of(tmp_path / "file") == data[-_TAIL:]
 
 
+@pytest.mark.parametrize("closed", [True, False])
+def test_a_spec_on_standard_input_that_is_not_there(monkeypatch: pytest.MonkeyPatch, *, closed: bool) -> None:
+    stream = io.TextIOWrapper(io.BytesIO(b"abc"))
+    stream.close()
+    monkeypatch.setattr(sys, "stdin", stream if closed else None)
+    with pytest.raises(UsageError, match=r"^<stdin>: is closed; give a spec on it, or name a file$"):
+        given.__wrapped__(3)
+
+
 def test_a_byte_more_than_may_be_there_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(b"abcdef")))
     assert given.__wrapped__(3) == b"abcd"
@@ -180,7 +210,11 @@ def test_the_lightest_knob_of_a_grid_decides() -> None:
     text = text.replace("  bias:", "  squeeze: {friction: 0.5, radius: 0.01}\n  bias:")
     assert not any("squeeze" in one.key for one in faults_or_none(text))
     light = text.replace("grid:", "grid:\n  knob.inertia: [3.0e-7, 1.9e-5]")
-    assert [one.key for one in faults_or_none(light) if "squeeze" in one.key] == ["scene.squeeze"]
+    (fault,) = (one for one in faults_or_none(light) if "squeeze" in one.key)
+    assert fault.key == "scene.squeeze"
+    assert fault.message == (
+        "must leave an inertia above 0: the table takes up to 3.1e-07 kg*m^2 from the 3e-07 of the knob"
+    )
 
 
 def faults_or_none(text: str) -> list[Fault]:
@@ -242,3 +276,122 @@ def test_a_controller_without_a_model_goes_with_an_elastic_gear() -> None:
         text = SPEC.replace("  wall:", f"  controller: {{kind: {kind}}}\n  {gear}")
         said = "must be one without a model of knob and hand where the gear has a stiffness"
         assert any(one.message.startswith(said) for one in faults_or_none(text)) is refused
+
+
+@pytest.mark.parametrize(("least", "said"), [(1, "at least 1 item, got a list of 0"), (2, "at least 2 items, got ")])
+def test_how_many_items_a_list_must_have(least: int, said: str) -> None:
+    error = {"type": "too_short", "ctx": {"min_length": least}, "input": [], "loc": ("a",)}
+    assert message(error, []).startswith(f"must have {said}")
+
+
+def test_the_first_reason_is_a_part_that_is_always_there() -> None:
+    assert verdict_of(["jitter", "undamped"], "general") == (EXACT, "nothing that damps the knob")
+
+
+def test_pairs_that_one_engine_refuses_are_not_refused_elsewhere() -> None:
+    pair = ["hysteresis", "virtual_damping"]
+    assert verdict_of(pair, "general") == (REFUSED, "hysteresis of the encoder with virtual damping")
+    assert verdict_of(pair, "laws")[0] == PROVEN
+
+
+REPORT = """\
+kind: report
+name: small-page
+results: [results/small]
+chapters:
+  - title: One
+    figures:
+      - {id: fig-a, draw: attractors, of: small, title: A figure, caption: Seen.}
+"""
+
+
+def test_a_page_without_more_words_has_those_of_its_spec() -> None:
+    plan = load_text(REPORT, "page.yaml")
+    assert isinstance(plan, ReportPlan)
+    (figure,) = plan.chapters[0].figures
+    assert (plan.title, figure.alt, plan.rerun) == ("small-page", "A figure", ("hknob report page.yaml",))
+    text = REPORT.replace("Seen.", "Seen., alt: Two lines").replace("results:", "title: Page\nrerun: [make]\nresults:")
+    plan = load_text(text, "page.yaml")
+    assert isinstance(plan, ReportPlan)
+    (figure,) = plan.chapters[0].figures
+    assert (plan.title, figure.alt, plan.rerun) == ("Page", "Two lines", ("make",))
+
+
+def test_names_in_the_summary_of_a_page_have_values() -> None:
+    (fault,) = faults(REPORT + "summary: [{text: 'It is {size}.', values: {}}]\n")
+    assert (fault.key, fault.message) == ("summary[0]", "'size' has no value")
+    for name in ("size:.2f", "size!r", "size.real"):
+        (fault,) = faults(REPORT + f"summary: [{{text: 'It is {{{name}}}.', values: {{}}}}]\n")
+        assert fault.message.startswith("must have {names} of letters, digits and '_' only, got {size")
+
+
+def test_names_in_a_caption_have_values() -> None:
+    values = "values: {size: {check: dfa_ratio, with: {}}}"
+    text = REPORT.replace("caption: Seen.", f"caption: 'It is {{size}}.', {values}")
+    assert load_text(text, "page.yaml").name == "small-page"
+    (fault,) = faults(text.replace("It is {size}.", "It is so."))
+    assert (fault.key, fault.message) == ("chapters[0].figures[0]", "'size' is not in the text")
+
+
+def test_claims_are_beside_the_spec_of_a_page(tmp_path: Path) -> None:
+    (tmp_path / "claims.yaml").write_text("claims: []\n")
+    (tmp_path / "page.yaml").write_text(REPORT + "claims: claims.yaml\n")
+    plan = load(tmp_path / "page.yaml")
+    assert isinstance(plan, ReportPlan)
+    assert (plan.claims, plan.contents) == (str(tmp_path / "claims.yaml"), None)
+
+
+def test_one_stage_of_a_kind_is_read_beside_others(tmp_path: Path) -> None:
+    (tmp_path / "knob.yaml").write_text(SPEC)
+    (tmp_path / "laws.yaml").write_text(SPEC.replace("kind: sweep", "kind: predict").partition("starts")[0])
+    (tmp_path / "pages.yaml").write_text(
+        "kind: pipeline\nname: p\nstages: {laws: {spec: laws.yaml}, knob: {spec: knob.yaml}}\n"
+    )
+    assert load(tmp_path / "pages.yaml", kind="sweep").name == "small"
+
+
+def test_a_part_that_is_wrong_as_a_whole_is_not_shown() -> None:
+    error = {"type": "two_keys", "msg": "must have both", "loc": ("hand",)}
+    assert [message({**error, "input": value}, []) for value in ({"table": 1}, HandSpec(), 1.5)] == [
+        "must have both", "must have both", "must have both, got 1.5",
+    ]  # fmt: skip
+
+
+def test_a_name_that_is_too_long_is_said_shortly(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=r": File name too long$") as caught:
+        inside(tmp_path / ("a" * 300), "cells.parquet")
+    assert "[Errno" not in str(caught.value)
+
+
+def test_standard_input_is_named_among_files() -> None:
+    assert all_named([Path("-"), Path("a.yaml")]) == [Path(STDIN), Path("a.yaml")]
+
+
+def test_why_a_file_cannot_be_read() -> None:
+    assert why_unreadable(OSError(2, "No such file or directory")) == "cannot be read: No such file or directory"
+    assert why_unreadable(OSError("odd")) == why_unreadable(ValueError("odd")) == "cannot be read"
+
+
+def test_detents_beside_pulses_are_all_that_is_wrong() -> None:
+    assert [str(one) for one in faults(PULSES + "detents: {per_revolution: 12, torque: 0.01}\n")] == [
+        "spec.yaml:5:1: detents: must be absent with what: pulses: it is of a buzz"
+    ]
+
+
+def test_words_of_a_comment_are_not_broken() -> None:
+    assert _comment(f"a {'x' * 200} b")[1].strip("# ") == "x" * 200
+
+
+def test_a_starter_says_what_its_preset_has() -> None:
+    text = starter("sweep", "smartknob")
+    scene = load_text("kind: sweep\nname: a\nscene: {from: smartknob}\ngrid: {}\n", "a.yaml")
+    assert isinstance(scene, SweepPlan)
+    assert f"# wall.stiffness = {scene.scene.wall.stiffness}\n" in text
+    rates, counts = scene.axes["sample_rate_hz"], scene.axes["counts_per_rev"]
+    assert f"# grid: {{sample_rate_hz: {rates[0]:g}, counts_per_rev: {counts[0]}}} " in text
+
+
+def test_whose_row_it_is() -> None:
+    row = {"experiment": "1", "grip_target_n": 0.71, "estimator": "output_error"}
+    assert label({**row, "subject": "s1"}) == "subject s1, experiment 1, 0.71 N, output_error"
+    assert label({**row, "subject": None}) == "the mean over persons, experiment 1, 0.71 N, output_error"

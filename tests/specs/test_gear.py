@@ -7,8 +7,25 @@ import pytest
 
 from hknob_cli.errors import SpecError
 from hknob_cli.specs.bench import merged
+from hknob_cli.specs.gear import Gear
+from hknob_cli.specs.geared import ungeared
 from hknob_cli.specs.load import validate
-from hknob_cli.specs.plan import COUNTS, RATE, Plan, SweepPlan, knob_counts, scene_at
+from hknob_cli.specs.motor import Cogging
+from hknob_cli.specs.plan import (
+    COUNTS,
+    RATE,
+    Actuator,
+    Finger,
+    Fingerpad,
+    Hand,
+    Knob,
+    Plan,
+    Scene,
+    SweepPlan,
+    Wall,
+    knob_counts,
+    scene_at,
+)
 from hknob_cli.specs.source import Source
 from hknob_cli.stages.dfa.run import DfaStage
 from hknob_cli.stages.predict.run import predict
@@ -176,3 +193,22 @@ def test_torque_over_the_angle_goes_behind_a_gear_without_counts() -> None:
 )
 def test_what_does_not_go_with_a_gear_is_a_fault(changes: tuple[dict[str, Any], ...], said: str) -> None:
     assert any(said in one for one in faults(*changes)), faults(*changes)
+
+
+def test_cogging_of_the_motor_as_the_knob_feels_it() -> None:
+    """A turn of the knob is N turns of the motor."""
+    scene = Scene(Knob(1.9e-6), Wall(0.27), cogging=Cogging(7, 1e-4, 0.8), gear=Gear(N, 1e-8))
+    assert ungeared(scene).cogging == Cogging(N * 7, N * 1e-4, 0.8 / N)
+
+
+def test_an_elastic_gear_is_a_motor_before_a_finger() -> None:
+    """The motor in the place of the knob, the mesh in that of a pad, knob and hand in that of a finger."""
+    gear = Gear(N, 1e-8, 2.5e-7, 1e-5, stiffness=10.0, mesh_damping=1e-3, backlash=0.01)
+    scene = Scene(
+        Knob(1.9e-6, 1e-5), Wall(0.27), hand=Hand(3e-7, 3.45e-4, 0.04), actuator=Actuator(1.0, 1e-4), gear=gear
+    )
+    made = ungeared(scene)
+    assert made.knob == Knob(N * N * 1e-8, N * N * 2.5e-7, N * 1e-5)
+    assert made.hand == Hand(finger=Finger(1.9e-6 + 3e-7, 1e-5 + 3.45e-4, 0.04), fingerpad=Fingerpad(1e-3, 10.0))
+    assert made.actuator == Actuator(1.0, 1e-4)
+    assert (made.behind, made.play, made.turns) == (True, 0.01, N)

@@ -1,10 +1,12 @@
 """Axes and cells."""
 
+from math import ulp
+
 import numpy as np
 import pytest
 
 from hknob_cli.specs.cells import Cells
-from hknob_cli.specs.grid import AxisError, LinAxis, LogAxis, axis_values
+from hknob_cli.specs.grid import AxisError, LinAxis, LogAxis, _snapped, axis_values
 from hknob_cli.specs.scene_paths import axis_unit, scalar_paths
 from tests.conftest import SPEC, loaded
 
@@ -35,11 +37,13 @@ def test_units_in_axes() -> None:
     ("name", "axis", "steps", "reason"),
     [
         ("sample_rate_hz", [1000, -1], (1,), "must be >= 0.001, got -1"),
+        ("sample_rate_hz", -1, (), "must be >= 0.001, got -1"),
         ("sample_rate_hz", [1000, 1000.0], (1,), "must not repeat"),
         ("counts_per_rev", [12.5], (0,), "whole number"),
         ("counts_per_rev", 2**31 + 1, (), "must be <= "),
         ("counts_per_rev", [0], (0,), "must be >= 1"),
         ("bias.torque", LogAxis(log=(0.0, 1.0, 3)), ("log", 0), "must be > 0"),
+        ("bias.torque", LogAxis(log=(1.0, 0.0, 3)), ("log", 1), "must be > 0"),
         ("bias.torque", LinAxis(lin=(0.0, 1.0, 1)), ("lin", 2), "must be >= 2"),
         ("sample_rate_hz", ["2 s"], (0,), "not a kind of Hz"),
         ("sample_rate_hz", [float("nan")], (0,), "must be"),
@@ -70,3 +74,8 @@ def test_every_number_of_the_scene_is_an_axis() -> None:
 def test_axis_over_the_scene() -> None:
     text = SPEC.replace("counts_per_rev: [1024]", "counts_per_rev: [1024]\n  hand.stiffness: {lin: [0.04, 0.08, 3]}")
     assert loaded(text).axes["hand.stiffness"] == [0.04, 0.06, 0.08]
+
+
+def test_values_of_an_axis_that_miss_a_short_number_by_four_roundings_are_that_number() -> None:
+    assert _snapped(1000.0 + 4.0 * ulp(1000.0)) == 1000.0
+    assert _snapped(1000.0 + 5.0 * ulp(1000.0)) == 1000.0 + 5.0 * ulp(1000.0)

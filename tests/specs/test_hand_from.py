@@ -249,3 +249,13 @@ def test_a_path_from_the_working_folder_is_noticed(tmp_path: Path, monkeypatch: 
         load(path.relative_to(tmp_path))
     said = "a path in a spec begins at the folder of the spec, and results/conditions.parquet is in the working folder"
     assert said in str(caught.value)
+
+
+def test_a_hand_that_takes_more_than_the_knob_has(hand) -> None:
+    """The grip is named where there is one."""
+    rows = conditions(dict.fromkeys(("s1", "s2"), (-3e-6, 3e-4, 0.03)))
+    said = "the file has 3e-06 kg.m.2 less than its apparatus without a hand, and the knob has 1.9e-06$"
+    with pytest.raises(SpecError, match=rf"scene\.hand\.from: must leave an inertia above 0: {said}"):
+        hand("", rows)
+    with pytest.raises(SpecError, match=rf"scene\.hand\.grip_n: must leave an inertia above 0: at 0.71 N, {said}"):
+        hand(", grip_n: 0.71", rows)

@@ -1,6 +1,7 @@
 """Specs with a torque over the angle: what is read, and faults with their place."""
 
 from copy import deepcopy
+from math import pi
 from pathlib import Path
 from typing import Any
 
@@ -65,6 +66,10 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
         {"profile": {"points": [[0.1, 0.0], [0.1, 0.1]]}},
         "scene.profile: points: angles must increase, got 0.1 after 0.1 (point 2)",
     ),
+    "not a function at the third point": (
+        {"profile": {"points": [[0.1, 0.0], [0.2, 0.1], [0.15, 0.1]]}},
+        "scene.profile: points: angles must increase, got 0.15 after 0.2 (point 3)",
+    ),
     "empty": ({"profile": {"points": []}}, "scene.profile: points: must have at least one [angle, torque], got none"),
     "does not close": (
         {"profile": {"points": [[0, 0.1], [6.283185307179586, 0.2]], "periodic": True}},
@@ -101,6 +106,14 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
         {"detents": {"spacing": 0.1, "torque": 0.008}},
         "scene.detents: spacing must be a whole part of a revolution, 2 pi / n, where there is no range, got 0.1: "
         "write per_revolution, or a range",
+    ),
+    "one point that is to go round": (
+        {"profile": {"points": [[0, 0.1]], "periodic": True}},
+        "scene.profile: points: the last torque must be the first, 0.1, where it is periodic, got 0.1",
+    ),
+    "range of no width": (
+        {"detents": {"per_revolution": 12, "torque": 0.008, "range": [1, 1]}},
+        "scene.detents: range: the first angle must be below the second, got 1 and 1",
     ),
     "range": (
         {"detents": {"per_revolution": 12, "torque": 0.008, "range": [1, -1]}},
@@ -195,3 +208,57 @@ grid: {sample_rate_hz: 1000, counts_per_rev: 256}
         validate(parse(text, "spec.yaml"))
     (fault,) = raised.value.faults
     assert str(fault) == "spec.yaml:6:5: scene.profile: points: angles must increase, got -1 after 0 (point 2)"
+
+
+TWO_COUNTS = 4.0 * pi / 256.0
+
+
+@pytest.mark.parametrize(
+    ("detents", "grid", "said"),
+    [
+        (
+            {"dead_zone": 0.2},
+            {"detents.spacing": [0.1, 0.5]},
+            "dead_zone: must be below the spacing of the detents, 0.1",
+        ),
+        ({"range": None}, {"detents.spacing": [0.1 * pi, 4.0 * pi]}, "must be a whole part of a revolution, 2 pi / n"),
+        (
+            {"dead_zone": 0.2},
+            {"detents.spacing": [0.2, 0.5]},
+            "must be below the spacing of the detents, 0.2 rad",
+        ),
+        ({}, {"detents.spacing": [0.02, 0.5]}, "must be at least 0.0490874 rad, 2 of 256 counts, got 0.02"),
+        ({"range": None}, {"detents.spacing": [0.1 * pi, 0.3]}, "must be a whole part of a revolution, 2 pi / n"),
+        (
+            {"spacing": None, "range": None, "per_revolution": 129},
+            {COUNTS: [256, 1024]},
+            "must be at most 128, one for every 2 of 256 counts, got 129",
+        ),
+        ({"spacing": None, "range": None, "per_revolution": 128}, {}, ""),
+        ({"spacing": TWO_COUNTS * (1.0 - 1e-9)}, {}, ""),  # what goes round but for so much is fine enough, too
+        ({"spacing": TWO_COUNTS * (1.0 - 2e-9)}, {}, "must be at least 0.0490874 rad, 2 of 256 counts, got 0.0490874"),
+    ],
+)
+def test_spacings_of_detents(detents: dict[str, Any], grid: dict[str, Any], said: str) -> None:
+    scene = {"detents": {"torque": 0.008, "shape": "spring", "spacing": 0.1 * pi, "range": [-1, 1], **detents}}
+    if not said:
+        assert planned(scene, **grid).scene.detents is not None
+        return
+    (found,) = faults(scene, **grid)
+    assert said in found
+
+
+def test_the_finest_detents_of_a_continuous_sensor() -> None:
+    """There are no counts, and none are named."""
+    detents = {"torque": 0.008, "range": [-1, 1]}
+    finest = 4.0 * pi / 1e12
+    assert planned({"encoder": "none", "detents": {**detents, "spacing": finest}}, **{COUNTS: None}).scene.detents
+    assert faults({"encoder": "none", "detents": {**detents, "spacing": 0.9 * finest}}, **{COUNTS: None}) == [
+        "scene.detents.spacing: must be at least 1.25664e-11 rad, got 1.13097e-11"
+    ]
+
+
+def test_a_periodic_profile_goes_round_from_anywhere() -> None:
+    for first in (-1.0, 0.0, 1.0):
+        points = [[first, 0.0], [first + 1.0, 0.1], [first + 2.0 * pi, 0.0]]
+        assert planned({"profile": {"points": points, "periodic": True}}).scene.profile is not None

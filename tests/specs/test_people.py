@@ -69,3 +69,12 @@ def test_what_cannot_be_is_drawn_as_near_as_can_be() -> None:
     assert np.all(abs(hands.mean(axis=0) - MEANS) < 5.0 * np.array(STDS) / sqrt(MANY))
     constant = draw(Spread(MEANS, (0.0, 0.0, 0.0)), people=3, seed=7)
     assert np.allclose(constant, [MEANS] * 3, rtol=1e-12)
+
+
+def test_opposite_numbers_that_vary_much_have_their_correlation() -> None:
+    """Of logarithms ln(1 + r u v), by its standard error in a sample, sqrt((s t + c²) / n); five of them."""
+    opposite = ((1.0, -0.15, 0.0), (-0.15, 1.0, 0.0), (0.0, 0.0, 1.0))
+    logs = np.log(np.array(draw(Spread((1.0, 1.0, 1.0), (2.0, 2.0, 0.1), opposite), people=MANY, seed=8)))
+    covariance, variance = log(1.0 - 0.15 * 4.0), log(5.0)
+    found = float(np.cov(logs.T)[0, 1])
+    assert abs(found - covariance) < 5.0 * sqrt((variance**2 + covariance**2) / MANY)

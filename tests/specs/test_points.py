@@ -130,3 +130,8 @@ def test_pieces_go_on_where_the_last_stood() -> None:
     assert isinstance(first, DesignCells)
     assert isinstance(second, DesignCells)
     assert first._unit is second._unit
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_points_without_ranges_are_counted_all_the_same(method: str) -> None:
+    assert UnitPoints(method, count=5, dimensions=0, seed=1).run(1, 4).shape == (3, 0)

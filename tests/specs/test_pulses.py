@@ -115,3 +115,26 @@ def test_no_recordings_at_all_are_a_fault_of_the_spec(written: str) -> None:
     """Their length is asked of a list alone."""
     text = f"kind: sysid\nname: x\nrecordings: {written}\n"
     assert faults(text) == ["p.yaml:1:7: kind: needs recordings, or virtual to make some, or a study"]
+
+
+def test_a_watchdog_of_two_samples() -> None:
+    text = BARE + "device: {driver: serial, target: host}\npulses: {sample_rate: 1 kHz}\nlimits: {watchdog: 2 ms}\n"
+    assert planned(text).limits.watchdog == 0.002
+
+
+def test_sensors_are_for_the_virtual_device() -> None:
+    assert planned(BARE + "pulses: {sensors: {torque_noise: 0.1}}\n").pulses.sensors.torque_noise == 0.1
+
+
+def test_the_most_pulses_of_a_campaign() -> None:
+    assert planned(BARE + "pulses: {grips: [1, 2], trials: 5}\nrepeats: 100\n").repeats == 100
+    assert faults(BARE + "pulses: {grips: [1, 2, 3, 4], trials: 3}\nrepeats: 100\n") == [
+        "p.yaml:4:39: pulses.trials: must be at most 1000 trials, with grips and repeats, got 1200"
+    ]
+
+
+def test_what_damps_the_knob_goes_into_its_damping() -> None:
+    motor = "motor: {torque_constant: 0.0234, resistance: 12.3, winding: shorted}\n"
+    assert faults(BARE + motor) == [
+        "p.yaml:4:1: motor: must be absent with what: pulses: its damping goes into that of the knob"
+    ]

@@ -64,3 +64,9 @@ def test_the_unit_itself_changes_nothing(value: float) -> None:
 def test_any_text_gives_a_number_or_a_reason(text: str) -> None:
     with contextlib.suppress(ValueError):
         assert isinstance(to_si(text, "N*m"), float)
+
+
+def test_the_longest_text_of_a_quantity() -> None:
+    assert to_si("1 kg".ljust(60), "kg") == 1.0
+    with pytest.raises(ValueError, match="is not a number with a unit"):
+        to_si("1 kg".ljust(61), "kg")

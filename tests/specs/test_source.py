@@ -142,3 +142,11 @@ def test_override_values_are_yaml() -> None:
 
 def test_paths_as_the_user_writes_them() -> None:
     assert dotted(("grid", "bias.torque", 2)) == 'grid["bias.torque"][2]'
+
+
+def test_levels_that_aliases_add_are_counted() -> None:
+    lists = "a: &list {}1{}\nb: {}*list{}\n"
+    assert parse(lists.format("[" * 25, "]" * 25, "[" * 24, "]" * 24), "f.yaml").value
+    assert faults(lists.format("[" * 25, "]" * 25, "[" * 25, "]" * 25)) == [
+        "f.yaml:1:35: more than 50 levels of keys and lists, aliases expanded"
+    ]

@@ -8,16 +8,19 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from hknob_cli.errors import SpecError
 from hknob_cli.printed.tables import grasps
 from hknob_cli.report.scene_words import scene_sentences
 from hknob_cli.scene.sampled_cells import scene_along
 from hknob_cli.specs.bench import merged
+from hknob_cli.specs.hand import HandSpec
 from hknob_cli.specs.load import validate
+from hknob_cli.specs.parts import Bias, Wall
 from hknob_cli.specs.plan import COUNTS, GRIP, RATE, SweepPlan, placed, scene_at
 from hknob_cli.specs.source import Source
-from hknob_cli.specs.squeeze import grip_of
+from hknob_cli.specs.squeeze import grip_of, hand_at, squeezed
 from hknob_cli.stages.sweep.run import SweepStage
 
 SQUEEZE = {"friction": 0.7, "radius": 8.9e-3, "margin": 1.5}
@@ -158,3 +161,46 @@ def test_a_wall_that_gives_no_more_than_its_limit_asks_for_no_firmer_grip() -> N
 def test_faults_have_their_place(scene: dict[str, Any], grid: dict[str, Any], said: str) -> None:
     found = faults(scene, **grid)
     assert any(said in one for one in found), found
+
+
+def test_a_grip_of_a_row_has_its_numbers_to_the_last_bit() -> None:
+    for number in range(1, 6):
+        hand = HandSpec(table=number, grip_n=0.71).plain()
+        for grip, row in hand.by_grip:
+            assert hand_at(hand, grip)[:3] == row[:3]
+
+
+@pytest.mark.parametrize("surface", [0.3, 0.5])
+def test_a_wall_that_stiffens_asks_for_less_where_it_is_soft(surface: float) -> None:
+    """By SciPy's root of the balance at rest, T(d) + k d = g, k of the grip for T(d)."""
+    scene = planned({"controller": {**STIFFENING, "surface": surface}}).scene
+    grips, stiffness = zip(*((one.grip_n, one.stiffness) for one in grasps(1)), strict=True)
+
+    def torque(depth: float) -> float:
+        return 0.27 * depth * (surface + (1.0 - surface) * min(depth / 0.2, 1.0))
+
+    def grip(depth: float) -> float:
+        return max(0.71, 1.5 * torque(depth) / (2.0 * 0.7 * 8.9e-3))
+
+    depth = brentq(lambda d: torque(d) + np.interp(grip(d), grips, stiffness) * d - 0.02, 0.0, 1.0, xtol=1e-15)
+    assert grip(depth) > 0.71
+    assert grip_of(scene) == pytest.approx(grip(depth), rel=1e-12)
+
+
+def test_a_squeeze_of_no_hand_is_none() -> None:
+    scene = planned().scene._replace(hand=None)
+    assert squeezed(scene) is scene
+
+
+def test_the_smallest_knob_of_a_grid_asks_for_the_firmest_grip() -> None:
+    assert planned(**{"squeeze.radius": [8.9e-3, 5e-3]})
+    with pytest.raises(SpecError, match=r"a push of 0.02 N.m may ask for 21.43 N"):
+        planned(**{"squeeze.radius": [8.9e-3, 1e-3]})
+
+
+def test_without_a_push_the_grip_is_that_of_the_hand() -> None:
+    scene = planned().scene
+    assert grip_of(scene._replace(bias=None)) == 0.71
+    assert grip_of(scene._replace(bias=Bias(half_quantum=True))) == 0.71
+    assert grip_of(scene._replace(wall=Wall(1.0))) > grip_of(scene)
+    assert grip_of(scene) > 0.71
