@@ -15,11 +15,12 @@ CELL = ("grid.sample_rate_hz=1000", "grid.counts_per_rev=512")
 TRIALS, PHASES = "starts={angle: 0.02, phases: 8}", "starts={angle: 0.02}"
 BOX = "starts={angle: [-50 mrad, 50 mrad], velocity: [-5, 5]}"
 FRICTION, LIMIT = "scene.knob.coulomb_torque=0.56 mN*m", "scene.actuator.torque_limit=0.05"
+DETENTS = "scene.detents={per_revolution: 24, torque: 2 mN*m}"
 CONTROLLER = "scene.controller={kind: bounded_lag, keep: 0.15, time_constant: 0.2}"
 # Of two workers: sweeps of one cell, each of which takes other groups of `engine.jit`. They take about as long.
 SHARES = (
-    ((TRIALS, FRICTION), (TRIALS, CONTROLLER), (PHASES, CONTROLLER), (BOX, LIMIT)),
-    ((TRIALS,), (PHASES,), (BOX,), (PHASES, FRICTION), (BOX, FRICTION), (PHASES, LIMIT)),
+    ((TRIALS, FRICTION), (TRIALS, CONTROLLER), (PHASES, CONTROLLER), (TRIALS, DETENTS), (TRIALS, DETENTS, CONTROLLER)),
+    ((TRIALS,), (PHASES,), (BOX,), (PHASES, FRICTION), (BOX, FRICTION), (PHASES, LIMIT), (BOX, LIMIT)),
 )
 
 
@@ -29,7 +30,7 @@ def compile_share(spec: Path) -> None:
     share = SHARES[int(number)] if number.isdecimal() and int(number) < len(SHARES) else ()
     plans = [load(spec, (*CELL, *one), kind="sweep") for one in share]
     stages = [SweepStage(plan, jobs=1) for plan in plans if isinstance(plan, SweepPlan)]
-    # All are looked at first: a group is kept as soon as one of its functions is.
+    # All are looked at first: a group is kept as soon as one of its functions is, and with it one of its two variants.
     for stage in [one for one in stages if not all(map(is_kept, one.expected))]:
         for group in stage.expected:
             stage.engines.compile(group)
