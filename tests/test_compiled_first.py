@@ -22,7 +22,7 @@ def groups_of(share: tuple[tuple[str, ...], ...]) -> set[str]:
 
 def test_each_share_has_groups_of_its_own() -> None:
     one, other = map(groups_of, compiled_first.SHARES)
-    assert one & other == {"friction sets", "general sets"}  # a part of each, for a law, or for other starts
+    assert one & other == {"friction sets"}  # a part of it, for a law
     assert {name for name, seconds in COMPILING_S.items() if seconds > 5.0} <= one | other
 
 
