@@ -17,9 +17,10 @@ LAWS = (f"{PROOF}test_law_trial_margins.py",)
 ORBIT = ("tests/engine/orbit/",)
 FLANKS = (f"{PROOF}test_flank_rest_margins.py", f"{PROOF}test_teeth_margins.py")
 TEETH = (f"{GENERAL}test_flanks.py", *(f"{PROOF}test_teeth_{name}.py" for name in ("modes", "steps")), *FLANKS)
-COG_REST = (f"{PROOF}test_cog_rest_margins.py",)
-SLOPES = (f"{GENERAL}test_slopes.py",)
-COGGING = (f"{PROOF}test_cogging_margins.py", *SLOPES)
+ABSENT = (f"{GENERAL}test_as_compiled.py",)
+COG_REST = (f"{PROOF}test_cog_rest_margins.py", *ABSENT)
+SLOPES = (f"{GENERAL}test_slopes.py", *ABSENT)
+COGGING = (f"{PROOF}test_cogging_margins.py", f"{GENERAL}test_cogging.py", *SLOPES)
 STANDSTILL = (
     f"{PROOF}test_standstill_margins.py",
     *COG_REST,
@@ -101,17 +102,17 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/columns.py": (f"{GENERAL}test_columns.py", f"{GENERAL}test_advance.py"),
     "general/trace.py": (f"{GENERAL}test_trace.py",),
     "general/interval.py": (f"{PROOF}test_interval_margins.py", f"{PROOF}test_friction_alone_margins.py"),
-    "general/torque_table.py": (f"{GENERAL}test_torque_table.py",),
+    "general/torque_table.py": (f"{GENERAL}test_torque_table.py", *ABSENT),
     "general/standstill.py": STANDSTILL,
     "general/inner_region.py": (f"{PROOF}test_region_margins.py", *FLANKS, f"{GENERAL}test_inner_region.py"),
     "general/teeth.py": TEETH,
     "general/flanks.py": TEETH,
     "general/parting.py": (f"{GENERAL}test_parting.py",),
-    "general/jitter.py": (f"{GENERAL}test_jitter.py",),
+    "general/jitter.py": (f"{GENERAL}test_jitter.py", *ABSENT),
     "general/powers.py": (f"{PROOF}test_power_margins.py", f"{GENERAL}test_powers.py"),
     "general/period_map.py": (f"{PROOF}test_period_map_margins.py", f"{PROOF}test_turn_margins.py"),
     "general/bent.py": (f"{PROOF}test_bent_margins.py",),
-    "general/torque_curve.py": (f"{GENERAL}test_curve_by_hand.py", f"{GENERAL}test_torque_curve.py"),
+    "general/torque_curve.py": (f"{GENERAL}test_curve_by_hand.py", f"{GENERAL}test_torque_curve.py", *ABSENT),
     "general/captured.py": (f"{PROOF}test_general_follow_margins.py", f"{GENERAL}test_hysteresis.py"),
     "general/follow.py": (
         f"{PROOF}test_general_follow_margins.py",
@@ -119,7 +120,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
         f"{PROOF}test_friction_alone_margins.py",
         f"{GENERAL}test_inner_region.py",
     ),
-    "general/hysteresis.py": (f"{PROOF}test_hysteresis_margins.py", f"{GENERAL}test_turning_points.py"),
+    "general/hysteresis.py": (f"{PROOF}test_hysteresis_margins.py", f"{GENERAL}test_turning_points.py", *ABSENT),
     "general/body.py": (f"{GENERAL}test_body.py",),
     "general/slide_two.py": (f"{PROOF}test_two_state_slides.py", f"{GENERAL}test_slides.py"),
     "general/slide_many.py": (f"{PROOF}test_slide_margins.py",),

@@ -11,7 +11,7 @@ AT_ONCE = 1e-290  # time in which a velocity vanishes that is none: the formulas
 
 
 def coefficients(t, body):
-    """Coefficients (S, G, F) over a time ``t``, as `propagator.hold_coefficients`: up to a sample period by a series."""
+    """(S, G, F) over a time ``t``, as `propagator.hold_coefficients`: up to a sample period by a series."""
     n = body.terms
     if n == 0 or t > 1.0:
         return hold_coefficients(body.alpha, body.beta, t)

@@ -19,6 +19,7 @@ from hknob_cli.engine.general.cogging import (
     energy_apart,
     far_apart,
     gap_apart,
+    has_gone,
     hold_stiffness,
     middle_of,
     reach_on,
@@ -198,3 +199,17 @@ def test_what_torque_may_still_do_counts() -> None:
                 cogs, [middle, 0.0], u, middle // 1.0, wrong, push, body, WALL, orbit, away
             )
             assert found == fate
+
+
+def test_a_trial_has_left_past_its_limit_or_far_and_too_fast_to_be_followed() -> None:
+    """A thousandth of the limit, and 1024 corners between two samples, both; without cogging, the limit alone."""
+    cogs, limit = [0.75, 8.0, -20.5, 3.0, sqrt(0.75), 28.5], 1000.0
+    for side in (1.0, -1.0):
+        assert has_gone(cogs, [side * limit, 0.0], limit)
+        assert has_gone(None, [side * limit, 0.0], limit)
+        assert not has_gone(cogs, [side * 999.0, 8192.0], limit)
+        for way in (1.0, -1.0):
+            assert has_gone(cogs, [side * 1.001, way * 8193.0], limit)
+            assert not has_gone(cogs, [side * 1.001, way * 8192.0], limit)
+            assert not has_gone(cogs, [side, way * 8193.0], limit)
+            assert not has_gone(None, [side * 999.0, way * 1e300], limit)

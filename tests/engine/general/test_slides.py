@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.slide_many import slide_many
-from hknob_cli.engine.general.slide_two import skip_turns, until_zero, way
+from hknob_cli.engine.general.slide_two import SERIES, coefficients, skip_turns, until_zero, way
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.engine.turning import zero_spacing
 
@@ -120,3 +120,15 @@ def test_speed_too_small_for_the_formulas_ends_at_once(alpha: float, beta: float
     body = ringing(alpha, beta, 0.2)
     *_, t, ended = until_zero(0.0, 5e-324, -0.2, 1, 1.0, 0.0, 0.0, 1.0, False, body)
     assert (t, ended) == (0.0, True)
+
+
+def test_the_series_is_asked_for_one_sample_period_at_most() -> None:
+    """Of a series that is S = 7 t, G = 7 t^2: it is seen where it is used. Without terms none is."""
+    vectors = [0.0] * SERIES + [7.0, 7.0]
+    one = knob().body._replace(alpha=0.5, beta=0.25, terms=1, vectors=vectors)
+    for t in (0.25, 0.75, 1.0):
+        s, g = 7.0 * t, 7.0 * t * t
+        assert coefficients(t, one) == (s, g, 1.0 - 0.25 * g - 0.5 * s)
+        assert coefficients(t, one._replace(terms=0)) == hold_coefficients(0.5, 0.25, t)
+    for t in (1.0 + EPS, 1.5, 30.0, 1e15):
+        assert coefficients(t, one) == hold_coefficients(0.5, 0.25, t)

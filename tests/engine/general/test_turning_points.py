@@ -9,11 +9,15 @@ import pytest
 from hknob_cli.engine.general import hysteresis
 from hknob_cli.engine.general.advance import rub_many
 from hknob_cli.engine.general.body import FIRST, Body
+from hknob_cli.engine.general.cogging import FALLEN, RISEN, TURNED
 from hknob_cli.engine.general.controller import Controller, edge_gap, read_after
 from hknob_cli.engine.general.hysteresis import pass_still, still_in_teeth, turn_and_count, way_at_most
+from hknob_cli.engine.general.slopes import cog_many
 from hknob_cli.engine.general.teeth import flank, flank_room, pressing
 
 from .bodies import knob
+from .cogs import SCENES, Cogged, body_of
+from .cogs import begun as cogs_begun
 from .gears import Gear, begun, geared
 
 WIDE = Controller(1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, inf, 0.0, hysteresis=0.1)
@@ -70,6 +74,106 @@ def test_the_count_goes_by_the_motors_turning_points(name: str) -> None:
                 assert found == expected
                 assert room == pytest.approx(margin, abs=1e-8)
     assert turns >= 4
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_beside_cogging_the_count_goes_by_turning_points_from_corner_to_corner(name: str) -> None:
+    """A corner is no turning point, nor is the end of being held."""
+    body, turns = body_of(name), 0
+    for seed in range(12):
+        chance = Random(f"{name} {seed}")
+        z, u = cogs_begun(body, chance)
+        at = Cogged(body, [z[0], 0.0, *z[2:]], u)
+        z[1] = -chance.choice([0.0, 0.1, 0.3, 0.5]) * float(at.pull() @ at.z)  # so fast that it turns round in a while
+        steps = chance.choice([24, 64, 64])
+        for wall in (WIDE, WIDE._replace(hysteresis=2.5)):
+            first = shown = read_after(z[0], np.floor(z[0]), wall)
+            known, margin = Cogged(body, z, u, ways=True), inf
+            mode = known.mode
+            for one in known.move(steps):
+                if one.end == TURNED and mode != 0:
+                    before, shown = shown, read_after(float(one.state[0]), shown, wall)
+                    margin = min(margin, edge_gap(float(one.state[0]), shown, before, wall))
+                    turns += 1
+                mode = one.mode
+            moved, pad = list(z), [0.0] * (2 * body.order)
+            found, room = turn_and_count(moved, u, steps / 64.0, first, body, wall, pad)
+            other = list(z)
+            cog_many(body.cogs, other, u, steps / 64.0, body, pad)
+            assert moved == pytest.approx(other, rel=1e-9, abs=1e-9)
+            if margin > 1e-6:
+                assert found == shown
+                assert room == pytest.approx(margin, abs=1e-8)
+    assert turns >= 4
+
+
+def test_what_has_settled_beside_cogging_has_no_turning_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It moves a fourth of (1 + 3), and a count at most; its slope is longer, and nothing rubs."""
+    body = body_of("strong")._replace(friction=0.0)
+    z, u, shown, passed = [-3.0, 0.0], 0.5, -3.0, []
+    wall = WIDE._replace(hysteresis=8.0)
+
+    def settled(far: float, span: float, room: float, one: Body = body, at: float = -3.0) -> float | None:
+        """The margin of what is passed over; None where it is followed from end to end."""
+        passed.clear()
+        monkeypatch.setattr(hysteresis, "STILL", 0.25)
+        monkeypatch.setattr(hysteresis, "far_apart", lambda *_: far)
+        monkeypatch.setattr(hysteresis, "room_on", lambda *_: room)
+        monkeypatch.setattr(hysteresis, "roll", lambda *_: (1.0, 0))
+        monkeypatch.setattr(hysteresis, "cog_many", lambda *given: passed.append(given))
+        found, margin = hysteresis.turn_on_cogs(one.cogs, [at, 0.0], u, span, shown, one, wall, [0.0] * 4)
+        assert found == shown
+        assert (len(passed) == 1) == (margin < inf)
+        return margin if margin < inf else None
+
+    gap = edge_gap(z[0], shown, shown, wall)
+    assert gap > 2.0
+    assert settled(1.0, 1.0, 1.5) == gap - 1.0
+    assert settled(4.0, 0.25, 1.5) == gap - 1.0
+    assert settled(1.0, 0.5, 1.5) == gap - 0.5
+    assert settled(1.0 + 2.0**-50, 1.0, 1.5) is None
+    assert settled(1.0, 1.0, 1.0) is None
+    assert settled(1.0, 1.0, 1.0 + 2.0**-50) == gap - 1.0
+    assert settled(1.0, 1.0, 1.5, at=3.0) == edge_gap(3.0, shown, shown, wall) - 1.0
+    assert settled(0.9, 1.0, 1.5, at=0.0) is None
+    assert settled(0.25, 1.0, 1.5, at=0.0) == edge_gap(0.0, shown, shown, wall) - 0.25
+    for friction in (1e-300, 1.0):
+        assert settled(1.0, 1.0, 1.5, body._replace(friction=friction)) is None
+
+
+def test_turning_points_beside_cogging_are_gone_through_end_by_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A motion is fresh where it begins still, or has just ended a mode: its speed is 0 to a rounding there."""
+    body, script, asked = body_of("rubs"), [], []
+
+    def roll(z: list[float], u: float, slope: float, mode: int, left: float, fresh: bool, *_: object) -> object:
+        asked.append((mode, left, fresh))
+        time, end, z[0] = script.pop(0)
+        return time, end
+
+    def followed(mode: int, speed: float, *ends: tuple[float, int, float], then: int = -1) -> tuple[float, float]:
+        script[:], asked[:] = ends, []
+        monkeypatch.setattr(hysteresis, "way_from", lambda *_: mode)
+        monkeypatch.setattr(hysteresis, "pass_on", lambda z, u, slope, *_: (slope, then))
+        found = hysteresis.turn_on_cogs(body.cogs, [-0.5, speed], 0.0, 1.0, -1.0, body, WIDE, [0.0] * 4)
+        assert not script
+        return found
+
+    monkeypatch.setattr(hysteresis, "roll", roll)
+    for mode, speed, fresh in ((1, 0.0, True), (-1, 0.0, True), (0, 0.0, False), (1, 1.0, False), (-1, -1.0, False)):
+        assert followed(mode, speed, (1.0, 0, -0.75)) == (-1.0, inf)
+        assert asked == [(mode, 1.0, fresh)]
+    # Released, over a corner, and round: the first turn is nearer to where its count would be another.
+    near, far = (0.25, TURNED, -3.04), (0.25, TURNED, -2.5)
+    gaps = [edge_gap(-3.04, -3.0, -1.0, WIDE), edge_gap(-2.5, -3.0, -3.0, WIDE)]
+    assert 0.0 < gaps[0] < gaps[1]
+    for ends in ((near, far), (far, near)):
+        _, margin = followed(1, 0.5, *ends, (0.5, 0, -1.5))
+        assert margin <= gaps[0]
+    assert followed(1, 0.5, near, far, (0.5, 0, -1.5)) == (-3.0, pytest.approx(gaps[0], abs=1e-12))
+    assert [one[1:] for one in asked] == [(1.0, False), (0.75, True), (0.5, True)]
+    assert followed(0, 0.0, (0.5, TURNED, -3.04), (0.5, 0, -3.04)) == (-1.0, inf)
+    assert followed(1, 0.5, (0.5, RISEN, -3.04), (0.5, 0, -3.04)) == (-1.0, inf)
+    assert followed(1, 0.5, (0.5, RISEN, -3.04), (0.5, FALLEN, -3.04)) == (-1.0, inf)  # no time is left
 
 
 # What has settled.

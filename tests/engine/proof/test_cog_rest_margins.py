@@ -16,6 +16,7 @@ from hknob_cli.engine.general.cogging import hold_stiffness, middle_of, own_stif
 from hknob_cli.engine.general.laws import rest as law_rest
 from hknob_cli.engine.general.laws.rest import settles_with_law
 from hknob_cli.engine.general.standstill import SETTLING, settles
+from hknob_cli.engine.general.torque_curve import HEAD, HIGHEST, LOWEST, STOP
 from hknob_cli.engine.rest import AT_REST, MOVING, REST_ON_EDGE, RINGS
 
 from .test_standstill_margins import FINGER, WALL, body
@@ -68,6 +69,18 @@ def test_a_balance_of_all_torques_is_a_rest(exact: pytest.MonkeyPatch) -> None:
 def test_without_cogging_another_proof_is_asked() -> None:
     assert settles_free(None, [0.0, 0.0], 0.0, 0.0, 0.0, 0.0, KNOB, WALL, [0.0] * 2, [0.0] * 2) == (MOVING, 0.0)
     assert keeps_to_slope(None, [0.0, 0.0], 0.0, 0.0, 0.0, 0.0, KNOB, WALL, [0.0] * 2, [0.0] * 2) == (False, 0.0)
+
+
+def test_beside_a_curve_the_way_to_its_next_knee_is_measured_from_the_rest(exact: pytest.MonkeyPatch) -> None:
+    """Not from where the trial is: 4 counts and 4.25 to the end stop at -24.5. Nothing else is near."""
+    stops = [0.0] * HEAD
+    stops[STOP], stops[LOWEST], stops[HIGHEST] = 1.0, -24.5, 90.0
+    wall, orbit, away = WALL._replace(analog=1.0, kappa=0.0, curve=stops), [7.0] * 2, [7.0] * 2
+    found = settles_free(COGS, [-20.25, 0.0], BALANCE, -20.25, 0.0, 0.0, KNOB, wall, orbit, away)
+    assert (found, orbit) == ((AT_REST, 4.0), [-20.5, 0.0])
+    rubs = KNOB._replace(friction=0.25)
+    held = keeps_to_slope(COGS, [-20.0, 0.0], BALANCE, -20.0, 0.0, 0.0, rubs, wall, orbit, away)
+    assert (held, orbit) == ((True, 4.25), [-20.25, 0.0])
 
 
 def test_a_corner_is_not_reached(exact: pytest.MonkeyPatch) -> None:

@@ -210,6 +210,7 @@ def test_a_fixed_point_of_one_sample_inside_the_wall_is_a_rest(monkeypatch: pyte
         (PROVEN, 0.5, continuous),
         (PROVEN, 2.5, continuous),
         (PROVEN, -2.5, WALL),
+        (PROVEN, -2.5, continuous._replace(clock=[1.0, 0.9, 0.1, 0.0, 0.0, 0.95])),  # no interval is like another
     ):
         whether, z, ring, _ = contracts(monkeypatch, status, x, wall)
         assert (whether, z, ring) == (False, [x, 0.125], [1.0, 2.0])

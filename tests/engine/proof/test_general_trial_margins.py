@@ -23,7 +23,9 @@ from hknob_cli.engine.follow import (
     UNSETTLED,
 )
 from hknob_cli.engine.general import follow
+from hknob_cli.engine.general.captured import LOOK_AGAIN
 from hknob_cli.engine.general.follow import (
+    BESIDE,
     CYCLE_AT_EVENT,
     CYCLE_EXPANDS,
     CYCLE_PARTS,
@@ -34,9 +36,11 @@ from hknob_cli.engine.general.follow import (
     follow_trial,
     rubs_alone,
 )
+from hknob_cli.engine.general.laws.law import REST_NOT_PROVEN
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS
 from hknob_cli.engine.general.search import make_space
 from hknob_cli.engine.general.standstill import SETTLING
+from hknob_cli.engine.general.torque_curve import HEAD, HIGHEST, LOWEST, STOP
 from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, REST_ON_EDGE, RINGS
 from tests.engine.trial_space import trial_of
 
@@ -240,6 +244,72 @@ def test_a_continuous_sensor_steps_deeper_where_it_enters(trial: Callable[..., T
     assert found.run()[0] == UNSETTLED  # a step out, and none
 
 
+# A continuous sensor beside a torque over the angle: turns are what repeats, and places what a rest is in.
+
+PLACES = [0.0] * HEAD  # end stops alone: places end at -5.5 and 2.5
+PLACES[STOP], PLACES[LOWEST], PLACES[HIGHEST] = 1.0, -5.5, 2.5
+CURVED = CONTINUOUS._replace(curve=PLACES)
+
+
+@pytest.mark.parametrize("shift", [0.5, -3.5])
+def test_beside_a_curve_a_motion_that_turns_down_may_begin_a_period(trial: Callable[..., Trial], shift: float) -> None:
+    """It turned down first where it came down for the second time: that it began on its way down is no turn."""
+    down_first = trial([(shift + (0.1 if k % 2 == 0 else 0.0), 0.0) for k in range(9)], proofs=[PROVEN])
+    assert down_first.run(wall=CURVED)[:2] == (CYCLE_PROVEN, 2)
+    assert down_first.certified == [(5, 2)]
+    up_first = trial([(shift + (0.0 if k % 2 == 0 else 0.1), 0.0) for k in range(9)], proofs=[PROVEN])
+    assert up_first.run(wall=CURVED)[:2] == (CYCLE_PROVEN, 2)
+    assert up_first.certified == [(4, 2)]
+
+
+def test_beside_a_curve_a_rest_is_looked_for_in_one_place_on_one_side(trial: Callable[..., Trial]) -> None:
+    """On the way up or down: a turn ends nothing. A knee passed, or the wall's edge, begins anew."""
+    for first in (0.5, -4.5):
+        rising = [first + 0.01 * k for k in range(40)]
+        assert looks(trial, rising, CURVED) == [7, 15, 31]
+        assert looks(trial, rising[::-1], CURVED) == [7, 15, 31]
+    assert looks(trial, [2.25, 2.75] * 10, CURVED) == []
+    assert looks(trial, [-0.25, 0.25] * 10, CURVED) == []
+    assert looks(trial, [2.25, 2.75] * 10, CONTINUOUS) == [7, 15]
+
+
+# A clock that jitters.
+
+CLOCK = [1.0, 0.9, 0.1, 0.0, 0.0, 0.95]
+
+
+@pytest.fixture
+def late(monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[Any, Trial]]:
+    """A trial of so many samples in two states, a turn each, at intervals of any length: its end, and the trial."""
+
+    def run(wall: Any, states: list[State], **more: Any) -> tuple[Any, Trial]:
+        found = Trial(monkeypatch, states, **more)
+        monkeypatch.setattr(follow, "advance_jittering", found.advance)
+        return found.run(wall=wall), found
+
+    return run
+
+
+def test_a_motion_that_stands_under_a_jittering_clock_is_at_rest_but_not_proven(late: Callable[..., Any]) -> None:
+    """Of a continuous sensor, whose states are compared every 64 samples; those of the first begin it."""
+    still = [(0.25, 0.0)] * 150
+    for first in (0.25, 7.0):  # what was kept of nothing yet, 7, is no state
+        found, _ = late(CONTINUOUS._replace(clock=CLOCK), [(first, 7.0 if first == 7.0 else 0.0)] * 150)
+        assert (found[0], found[1], found[4]) == (REST_NOT_PROVEN, 1, LOOK_AGAIN)
+    moving = [(0.25 + 0.001 * k, 0.0) for k in range(150)]
+    assert late(CONTINUOUS._replace(clock=CLOCK), moving)[0][0] == UNSETTLED
+    assert late(CONTINUOUS, still)[0][0] == UNSETTLED
+    assert late(WALL._replace(clock=CLOCK), still)[0][0] == UNSETTLED
+
+
+def test_under_a_jittering_clock_nothing_repeats(late: Callable[..., Any]) -> None:
+    states = [(0.5, 0.0), (-0.5, 0.0)] * 20
+    _, found = late(WALL._replace(clock=CLOCK), states, proofs=[PROVEN])
+    assert found.certified == []
+    _, plain = late(WALL, states, proofs=[PROVEN])
+    assert plain.certified == [(3, 2)]
+
+
 # Verdicts on a candidate.
 
 
@@ -281,6 +351,20 @@ def test_what_is_not_proven_is_reported_when_samples_are_over(trial: Callable[..
     # At two edges one sample apart, a hair on either side.
     found = trial([(0.5, 0.0), (-0.999, 0.0), (-1.001, 0.0), (-1.5, 0.0)], proofs=[ON_EDGE])
     assert found.run()[:2] == (CYCLE_ON_EDGE, 1)
+
+
+def test_near_a_cycle_through_the_play_of_teeth_a_trial_is_not_followed_further(
+    trial: Callable[..., Trial], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In position or speed, nearer than a millionth of a count, of which the nearest power of two is exact."""
+    assert BESIDE == 1e-6
+    near = 2.0**-20
+    monkeypatch.setattr(follow, "BESIDE", near)
+    for status, fate in ((EXPANDS, CYCLE_EXPANDS), (PARTS, CYCLE_PARTS)):
+        for off, beside in ((0.0, True), (nextafter(near, 0.0), True), (near, False), (0.5, False)):
+            found, at = verdict(trial, [status, DIFFERENT], orbit=[-0.5, off])
+            assert found == (fate, 2, READING, 1, 3 if beside and status == PARTS else 6), (status, off)
+            assert (at.z, at.ring) == ([-0.5, off], LINE)
 
 
 # Known orbits, limits.

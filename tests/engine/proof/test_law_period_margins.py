@@ -634,7 +634,15 @@ def test_what_fades_settles_and_then_the_torques_under_way(
 
 @pytest.mark.parametrize(
     ("more", "laps"),
-    [({}, 1), ({"fading": FADES, "fade": 0.5}, 2), ({"drifts": SUM}, 2), ({"ages": 2}, 2), ({"ages": 3}, 2)],
+    [
+        ({}, 1),
+        ({"fading": FADES, "fade": 0.5}, 2),
+        ({"fading": 0, "fade": 0.5}, 2),
+        ({"drifts": SUM}, 2),
+        ({"drifts": 0}, 2),
+        ({"ages": 2}, 2),
+        ({"ages": 3}, 2),
+    ],
 )
 def test_another_lap_is_run_where_it_is_not_the_first_one_again(
     monkeypatch: pytest.MonkeyPatch, more: dict[str, Any], laps: int
