@@ -19,7 +19,7 @@ FLANKS = (f"{PROOF}test_flank_rest_margins.py", f"{PROOF}test_teeth_margins.py")
 TEETH = (f"{GENERAL}test_flanks.py", *(f"{PROOF}test_teeth_{name}.py" for name in ("modes", "steps")), *FLANKS)
 ABSENT = (f"{GENERAL}test_as_compiled.py",)
 COG_REST = (f"{PROOF}test_cog_rest_margins.py", *ABSENT)
-SLOPES = (f"{GENERAL}test_slopes.py", *ABSENT)
+SLOPES = (f"{GENERAL}test_slopes.py", f"{GENERAL}test_turning_points.py", *ABSENT)
 COGGING = (f"{PROOF}test_cogging_margins.py", f"{GENERAL}test_cogging.py", *SLOPES)
 STANDSTILL = (
     f"{PROOF}test_standstill_margins.py",

@@ -82,13 +82,9 @@ def test_proven_beside_teeth_that_press() -> None:
     assert found["PARTS"] >= 1, found
 
 
-# Of 101 a state displaced beside its orbit is followed in the interpreter for more than a quarter of an hour.
-SEEDS = [seed for seed in (*range(41, 121, 2), 18, 36, 38, 40, 42) if seed != 101]
-
-
 @pytest.mark.long
 @pytest.mark.drawn(15)
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", [*range(41, 121, 2), 18, 36, 38, 40, 42])
 def test_more_proven_beside_cogging_and_teeth(seed: int) -> None:
     assert check([seed])
 

@@ -7,14 +7,12 @@ the count is taken at each of its turning points, which are exact.
 
 from hknob_cli.engine.general.advance import FREE, advance_hold, next_mode, slide
 from hknob_cli.engine.general.body import HALVES, HALVINGS, acceleration, distance, rate_of
-from hknob_cli.engine.general.cogging import TURNED, cog_rate, far_apart, has_cogs, roll, room_on, slope_at
+from hknob_cli.engine.general.cogging import TURNED, has_cogs, roll, slope_at
 from hknob_cli.engine.general.controller import edge_gap, read_after
 from hknob_cli.engine.general.flanks import pass_end, play_many
 from hknob_cli.engine.general.slide_two import way
-from hknob_cli.engine.general.slopes import cog_many, pass_on, way_from
+from hknob_cli.engine.general.slopes import STILL, cog_many, pass_on, settled, way_from
 from hknob_cli.engine.general.teeth import direction, flank, flank_room, press, pressing, teeth_rate
-
-STILL = 1e-11  # counts, relative: what moves by less has settled, and meets a velocity of 0 at every rounding
 
 
 def way_at_most(z, u, span, body, pad):
@@ -80,9 +78,8 @@ def turn_on_cogs(cogs, z, u, span, shown, body, wall, pad):
         return shown, float("inf")
     left, margin = span, float("inf")
     slope = slope_at(z[0], cogs)
-    cog_rate(z, u, slope, FREE, body, pad)
-    moved = far_apart(cogs, pad, z[0], body) * span  # its rates are a motion without a torque
-    if body.friction == 0.0 and moved <= STILL * (1.0 + abs(z[0])) and moved < room_on(z[0], slope, cogs):
+    still, moved = settled(cogs, z, u, slope, span, body, pad)
+    if still:
         margin = edge_gap(z[0], shown, shown, wall) - moved
         cog_many(cogs, z, u, span, body, pad)
         return shown, margin

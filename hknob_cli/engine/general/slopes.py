@@ -14,6 +14,8 @@ from hknob_cli.engine.general.cogging import (
     TURNED,
     UNSTABLE,
     cog_acceleration,
+    cog_rate,
+    far_apart,
     is_stable,
     roll,
     room_on,
@@ -22,10 +24,24 @@ from hknob_cli.engine.general.cogging import (
 from hknob_cli.engine.general.columns import spread_by, turn_round
 from hknob_cli.engine.general.slide_two import way
 
+STILL = 1e-11  # counts, relative: what moves by less has settled, and meets a velocity of 0 at every rounding
+
 
 def way_from(z, u, slope, body):
     """Mode of the motion that begins at ``z`` where its turning points matter: +1 or -1 sliding, 0 held."""
     return way(z[1], cog_acceleration(z, u, slope, body), body.friction)
+
+
+def settled(cogs, z, u, slope, span, body, pad):
+    """Whether a knob that nothing rubs has settled on its slope, and how far it moves at most: ``(whether, way)``.
+
+    Its turning points are roundings then. Its rates are a motion without a torque, whose energy bounds the way.
+    """
+    if body.friction > 0.0:
+        return False, 0.0
+    cog_rate(z, u, slope, FREE, body, pad)
+    moved = far_apart(cogs, pad, z[0], body) * span
+    return moved <= STILL * (1.0 + abs(z[0])) and moved < room_on(z[0], slope, cogs), moved
 
 
 def pass_on(z, u, slope, mode, end, body):
@@ -78,13 +94,14 @@ def cog_columns(cogs, z, u, span, body, pad, cols, command, count, width, marks)
     left = span
     slope = slope_at(z[0], cogs)
     rubs = body.friction > 0.0
+    still, moved = settled(cogs, z, u, slope, span, body, pad)
     mode = way_from(z, u, slope, body)
-    if mode == 0 and not rubs:
-        mode = FREE  # it balances, to the last bit, and nothing holds it
+    if still or (mode == 0 and not rubs):
+        mode = FREE  # it balances, to a rounding, and nothing holds it
     fresh = mode != 0 and z[1] == 0.0
     if rubs and z[1] == 0.0:
         marks[0] = min(marks[0], abs(abs(cog_acceleration(z, u, slope, body)) - body.friction))
-    marks[2] = min(marks[2], room_on(z[0], slope, cogs))
+    marks[2] = min(marks[2], room_on(z[0], slope, cogs) - (moved if still else 0.0))
     while left > 0.0:
         t, end = roll(z, u, slope, mode, left, fresh, body, pad)
         spread_cogs(cols, command, count, width, t, slope, mode, body, pad)

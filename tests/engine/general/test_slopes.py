@@ -12,10 +12,12 @@ import pytest
 from hknob_cli.engine.general import slopes
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.cogging import (
+    CENTRE,
     COGGED,
     COGGED_HALVES,
     FALLEN,
     FREE,
+    LENGTH,
     RISEN,
     STABLE,
     TURNED,
@@ -304,7 +306,7 @@ def columns(
     span: float = 1.0,
 ) -> tuple[Script, list[float]]:
     script, found = Script(patch, steps), list(marks)
-    cog_columns(COGS, z, u, span, body, [], [], 0, 0, 0, found)
+    cog_columns(COGS, z, u, span, body, [0.0] * 4, [], 0, 0, 0, found)
     return script, found
 
 
@@ -429,3 +431,47 @@ def test_a_chart_has_no_pieces_without_length(monkeypatch: pytest.MonkeyPatch) -
             nothing = Script(monkeypatch, [])
             assert cog_chart(COGS, [0.0, v], u, 0.0, body, [], 1, pieces) == 1
             assert nothing.asked == []
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-16, -1e-14, 3e-13])
+def test_a_knob_that_has_settled_is_moved_at_once(off: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It balances to a rounding, and would turn round at each: in steps of a rounding of the time."""
+    body, asked = body_of("strong"), 0
+    cogs = body.cogs
+    x = cogs[CENTRE] + 0.125 * cogs[LENGTH]
+    u = -float(Cogged(body, [x, 0.0], 0.0).pull() @ [x, 0.0, 1.0, 0.0]) + off
+    real = slopes.roll
+
+    def roll(*given: Any) -> Any:
+        nonlocal asked
+        asked += 1
+        assert asked < 9
+        return real(*given)
+
+    monkeypatch.setattr(slopes, "roll", roll)
+    z, pad, marks = [x, 0.0], [0.0] * 4, [inf] * 3
+    cols = [1.0, 0.0, 0.0, 1.0, 0.0, 0.0]  # of angle, speed, and the command
+    cog_columns(cogs, z, u, 1.0, body, pad, cols, 2, 3, 2, marks)
+    assert asked == 1
+    assert z[0] == pytest.approx(x, abs=1e-11 * (1.0 + abs(x)))
+    assert marks[:2] == [inf, inf]
+    room = 0.375 * cogs[LENGTH]
+    assert room - 2e-11 * (1.0 + abs(x)) < marks[2] <= room
+
+
+def test_what_a_settled_knob_may_move_is_no_room(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Half a count; with friction nothing has settled."""
+    monkeypatch.setattr(slopes, "STILL", 0.25)
+    monkeypatch.setattr(slopes, "far_apart", lambda *_: 1.0)
+    for body, mark, mode in ((PLAIN, 2.5, FREE), (PLAIN._replace(friction=0.5), 3.0, 1), (RUBS, 3.0, 1)):
+        script, marks = columns(monkeypatch, [1.0, 0.5], 0.0, [(0.5, 0, 1.0, 0.5)], body, span=0.5)
+        assert marks[2] == mark
+        assert script.asked[0][1] == mode
+
+
+def test_a_knob_that_balances_where_no_springs_hold_it_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On the top of cogging that is stiffer than the hand: no bound says that it stays, and no torque moves it."""
+    cogs = [2.0, *COGS[1:]]
+    script, marks = Script(monkeypatch, [(1.0, 0, 8.0, 0.0)]), [inf] * 3
+    cog_columns(cogs, [8.0, 0.0], 8.0, 1.0, PLAIN._replace(cogs=cogs), [0.0] * 4, [], 0, 0, 0, marks)
+    assert script.asked == [(1.0, FREE, 1.0, True)]

@@ -6,7 +6,7 @@ from random import Random
 import numpy as np
 import pytest
 
-from hknob_cli.engine.general import hysteresis
+from hknob_cli.engine.general import hysteresis, slopes
 from hknob_cli.engine.general.advance import rub_many
 from hknob_cli.engine.general.body import FIRST, Body
 from hknob_cli.engine.general.cogging import FALLEN, RISEN, TURNED
@@ -116,9 +116,9 @@ def test_what_has_settled_beside_cogging_has_no_turning_points(monkeypatch: pyte
     def settled(far: float, span: float, room: float, one: Body = body, at: float = -3.0) -> float | None:
         """The margin of what is passed over; None where it is followed from end to end."""
         passed.clear()
-        monkeypatch.setattr(hysteresis, "STILL", 0.25)
-        monkeypatch.setattr(hysteresis, "far_apart", lambda *_: far)
-        monkeypatch.setattr(hysteresis, "room_on", lambda *_: room)
+        monkeypatch.setattr(slopes, "STILL", 0.25)
+        monkeypatch.setattr(slopes, "far_apart", lambda *_: far)
+        monkeypatch.setattr(slopes, "room_on", lambda *_: room)
         monkeypatch.setattr(hysteresis, "roll", lambda *_: (1.0, 0))
         monkeypatch.setattr(hysteresis, "cog_many", lambda *given: passed.append(given))
         found, margin = hysteresis.turn_on_cogs(one.cogs, [at, 0.0], u, span, shown, one, wall, [0.0] * 4)
