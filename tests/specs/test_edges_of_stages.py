@@ -151,7 +151,7 @@ def test_what_a_scene_of_a_benchmark_changes_is_wrong_there() -> None:
         "  scene: {knob: {inertia: 1.9e-6}, wall: {stiffness: 0.27}, bias: {half_quantum: true}}\n"
         "  sample_rate_hz: 2000\n  counts_per_rev: 1024\n  duration: 0.12\nscenes: {bare: {scene: {encoder: none}}}\n"
     )
-    said = "scene.bias.half_quantum: must not be given where encoder is none: there is no count"
+    said = "scene.bias.half_quantum: must be absent where encoder is none, which has no counts"
     assert wrong(text)[-1] == f"base.{said}"
     own = text.replace("encoder: none}", "encoder: none, bias: {half_quantum: true}}")
     assert wrong(own)[-1] == f"scenes.bare.{said}"

@@ -235,7 +235,7 @@ TWO_COUNTS = 4.0 * pi / 256.0
             "must be at most 128, one for every 2 of 256 counts, got 129",
         ),
         ({"spacing": None, "range": None, "per_revolution": 128}, {}, ""),
-        ({"spacing": TWO_COUNTS * (1.0 - 1e-9)}, {}, ""),  # what goes round but for so much is fine enough, too
+        ({"spacing": TWO_COUNTS * (1.0 - 1e-9)}, {}, ""),  # a billionth too fine is a rounding
         ({"spacing": TWO_COUNTS * (1.0 - 2e-9)}, {}, "must be at least 0.0490874 rad, 2 of 256 counts, got 0.0490874"),
     ],
 )
