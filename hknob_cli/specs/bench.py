@@ -185,8 +185,6 @@ def _wrong(source: Source, spec: BenchSceneSpec, place: Any) -> list[Fault]:
     bare = spec.scene.encoder == "none"
     if spec.counts_per_rev is None and not bare:
         found.append(((COUNTS,), "missing, and required"))
-    if bare and spec.scene.bias and spec.scene.bias.half_quantum:
-        found.append((("scene", "bias", "half_quantum"), "must be absent where encoder is none, which has no counts"))
     samples = spec.duration * spec.sample_rate_hz
     if not FEWEST_SAMPLES <= round(samples) <= MOST_SAMPLES:
         allowed = f"{FEWEST_SAMPLES} to {MOST_SAMPLES}"

@@ -124,7 +124,7 @@ def contradictions(scene: SceneSpec, axes: Axes) -> Faults:
     """What in a scene, with its grid, excludes something else: places in the spec, and what is wrong there."""
     found: Faults = []
     if scene.bias and scene.bias.half_quantum and scene.encoder == "none":
-        found.append((("scene", "bias", "half_quantum"), "must be absent where encoder is none: it has no count"))
+        found.append((("scene", "bias", "half_quantum"), "must be absent where encoder is none, which has no counts"))
     found += _of_jitter(scene, axes)
     found += _of_cogging(scene, axes)
     if scene.hand and scene.hand.finger:

@@ -149,7 +149,7 @@ def test_the_quick_experiment(hknob, change: tuple[str, ...]) -> None:
         ("nominal: {}", "nominal: {counts_per_rev: null}", "scenes.nominal.counts_per_rev: missing, and required"),
         ("nominal: {}", "nominal: {scene: {bias: {half_quantum: true}}}", "must have exactly one of"),
         ("nominal: {}", "nominal: {scene: {encoder: none, bias: {torque: null, half_quantum: true}}}",
-         "scenes.nominal.scene.bias.half_quantum: must not be given where encoder is none"),
+         "scenes.nominal.scene.bias.half_quantum: must be absent where encoder is none"),
         ("nominal: {}", "nominal: {scene: {sampling: continuous, actuator: {delay_samples: 1.0}}}",
          "scenes.nominal.scene.actuator.delay_samples: must be absent where sampling is continuous"),
         ("nominal: {}", "nominal: {duration: 1 kg}", "14:23: scenes.nominal.duration: '1 kg' is in kilogram"),
