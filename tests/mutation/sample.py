@@ -18,7 +18,7 @@ from collections import Counter
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 if __name__ == "__main__":
     sys.path.insert(0, str(Path(__file__).parents[2]))
@@ -31,6 +31,16 @@ from tests.mutation.whole import SCORES, section
 
 BUDGET = Budget(slowest_s=4.0, in_all_s=4.0, whole=False)
 FOLDER = ROOT / "results" / "mutation"
+NEXT = "## Those that come next in the draw"
+NEXT_HEAD = (
+    "Of these nothing was known when the tests were written that killed the first: what is killed *at first sight* is "
+    "what the tests find of a change that nobody has thought of. *Now*: after what survived was given a test or a "
+    "reason.",
+    "",
+    "| group | behind the first | tried | killed at first sight | score at first sight | killed now | explained "
+    "| survived | not called | score now |",
+    "|---|---|---|---|---|---|---|---|---|---|",
+)
 VERDICTS = (SURVIVES, OUT_OF_TIME, NOT_CALLED, NOT_PLACED)  # beside those that count as killed
 
 
@@ -46,39 +56,44 @@ def changes_of(group: str) -> list[tuple[str, Mutant]]:
     return found
 
 
-def drawn(group: str, count: int, seed: int) -> dict[str, Mutant]:
-    """A sample of a group's changes; a larger one has the smaller one in it, and an edit changes little of it."""
-    every = changes_of(group)
-    every.sort(key=lambda one: hashlib.sha256(f"{seed} {one[0]}".encode()).digest())
-    return dict(every[:count])
+class Draw(NamedTuple):
+    """Which sample: the seed that the order of changes comes from, and how many of that order are left out."""
 
+    seed: int
+    after: int
 
-def place_of(group: str, seed: int) -> Path:
-    """Where verdicts are kept."""
-    return FOLDER / f"{group}-{seed}.jsonl"
+    def of(self, group: str, count: int) -> dict[str, Mutant]:
+        """So many of a group's changes; a larger sample has the smaller one in it, and an edit changes little of it."""
+        every = changes_of(group)
+        every.sort(key=lambda one: hashlib.sha256(f"{self.seed} {one[0]}".encode()).digest())
+        return dict(every[self.after : self.after + count])
+
+    def place(self, group: str) -> Path:
+        """Where its verdicts are kept."""
+        return FOLDER / f"{group}-{self.seed}{f'-{self.after}' if self.after else ''}.jsonl"
 
 
 def verdicts_in(path: Path) -> dict[str, dict[str, Any]]:
-    """What has been judged so far; a torn last line is none."""
+    """What has been judged so far, and how at first; a torn last line is none."""
     found = {}
     for line in path.read_text().splitlines() if path.exists() else ():
         try:
             one = json.loads(line)
         except ValueError:
             continue
-        found[one["key"]] = one
+        found[one["key"]] = one | {"first": found.get(one["key"], one).get("first", one["verdict"])}
     return found
 
 
-def judge(group: str, count: int, seed: int) -> None:
+def judge(group: str, count: int, draw: Draw) -> None:
     """Judge what of a sample is left, the files that share their tests together."""
-    path = place_of(group, seed)
+    path = draw.place(group)
     path.parent.mkdir(parents=True, exist_ok=True)
     there = verdicts_in(path)
     slow = FOLDER / f"{group}-slow.json"  # tests that are not waited for a second time
     left_out: list[str] = json.loads(slow.read_text()) if slow.exists() else []
     by_tests: dict[tuple[Path, ...], dict[str, Mutant]] = {}
-    for key, one in drawn(group, count, seed).items():
+    for key, one in draw.of(group, count).items():
         if key in there:
             continue
         if reason_of(one):
@@ -99,9 +114,9 @@ def judge(group: str, count: int, seed: int) -> None:
             print(f"cannot be judged: {failure}", flush=True)
 
 
-def judge_again(group: str, seed: int, tests: list[Path]) -> None:
+def judge_again(group: str, draw: Draw, tests: list[Path]) -> None:
     """Judge by other tests what no test has found, and keep what they find."""
-    path = place_of(group, seed)
+    path = draw.place(group)
     there, every = verdicts_in(path), dict(changes_of(group))
     left = [key for key in every.keys() & there.keys() if there[key]["verdict"] in VERDICTS]
     keys = {id(every[key]): key for key in left if not reason_of(every[key])}
@@ -128,6 +143,13 @@ def reason_of(mutant: Mutant) -> str:
     return _accepted(mutant.path).take(mutant) or ""
 
 
+def count_as(mutant: Mutant, verdict: str) -> str:
+    """What a verdict is counted as: killed, explained, or as it is."""
+    if verdict not in VERDICTS:
+        return "killed"
+    return "explained" if verdict in (SURVIVES, OUT_OF_TIME) and reason_of(mutant) else verdict
+
+
 @cache
 def _accepted(path: Path) -> Accepted:
     return Accepted(path)
@@ -136,29 +158,32 @@ def _accepted(path: Path) -> Accepted:
 def rows(seed: int) -> Iterator[tuple[str, Counter[str], int, list[tuple[Mutant, str, str]]]]:
     """Of each group: its counts, how many changes there are, and those that survive with verdict and reason."""
     for group in GROUPS:
-        there = verdicts_in(place_of(group, seed))
+        there = verdicts_in(Draw(seed, 0).place(group))
         sample = dict(changes_of(group))
         counts: Counter[str] = Counter()
         survivors = []
         for key in sample.keys() & there.keys():
             verdict = there[key]["verdict"]
-            reason = "" if verdict not in (SURVIVES, OUT_OF_TIME) else reason_of(sample[key])
-            counts["explained" if reason else verdict if verdict in VERDICTS else "killed"] += 1
+            counts[count_as(sample[key], verdict)] += 1
             if verdict in (SURVIVES, OUT_OF_TIME):
-                survivors.append((sample[key], verdict, reason))
-        yield group, counts, len(sample), sorted(survivors, key=lambda one: (str(one[0].path), one[0].line))
+                survivors.append((sample[key], verdict, reason_of(sample[key])))
+        yield (
+            group,
+            counts,
+            len(sample),
+            sorted(survivors, key=lambda one: (str(one[0].path), one[0].line, one[0].change)),
+        )
 
 
 def in_order(group: str, seed: int) -> tuple[int, str]:
     """How many changes are judged from the draw's begin on, without a gap, and the score of these."""
-    there, first, counts = verdicts_in(place_of(group, seed)), 0, Counter[str]()
-    for key, one in drawn(group, len(changes_of(group)), seed).items():
+    draw = Draw(seed, 0)
+    there, first, counts = verdicts_in(draw.place(group)), 0, Counter[str]()
+    for key, one in draw.of(group, len(changes_of(group))).items():
         if key not in there:
             break
         verdict = there[key]["verdict"]
-        counts[
-            "explained" if verdict in VERDICTS and reason_of(one) else verdict if verdict in VERDICTS else "killed"
-        ] += 1
+        counts[count_as(one, verdict)] += 1
         first += 1
     return first, score_of(counts)
 
@@ -169,9 +194,26 @@ def score_of(counts: Counter[str]) -> str:
     return f"{100 * counts['killed'] / judged:.1f} %" if judged else "-"
 
 
+def next_ones(seed: int) -> list[str]:
+    """The part of the page about samples that come behind the first: by group, at first sight and now."""
+    page = SCORES.read_text()
+    rows = {line.split(" |")[0]: line for line in page.partition(NEXT)[2].splitlines() if line.startswith("| ")}
+    for path in sorted(FOLDER.glob(f"*-{seed}-*.jsonl")):
+        group, _, after = path.stem.rsplit("-", 2)
+        sample, there = dict(changes_of(group)), verdicts_in(path)
+        keys = sample.keys() & there.keys()
+        seen = Counter(count_as(sample[key], there[key]["first"]) for key in keys)
+        now = Counter(count_as(sample[key], there[key]["verdict"]) for key in keys)
+        left = now[SURVIVES] + now[OUT_OF_TIME]
+        away = now[NOT_CALLED] + now[NOT_PLACED]
+        cells = (len(keys), seen["killed"], score_of(seen), now["killed"], now["explained"], left, away, score_of(now))
+        rows[f"| {group}"] = f"| {group} | {after} | {' | '.join(map(str, cells))} |"
+    return [NEXT, "", *NEXT_HEAD, *(line for key, line in sorted(rows.items()) if key != "| group"), ""]
+
+
 def said_of(group: str, page: str) -> tuple[str, list[str]]:
     """What a page says of a group: its row, and a line for each that survives."""
-    row = next(line for line in page.splitlines() if line.startswith(f"| {group} |"))
+    row = next(line for line in page.splitlines() if line.startswith(f"| {group} |"))  # the first table's
     _, _, told = page.partition(f"### {group}\n")
     return row, [line for line in told.partition("\n#")[0].splitlines() if line]
 
@@ -190,7 +232,7 @@ def table(seed: int) -> str:
         "killed, of those that were called and not explained. The files below that are tried whole were tried first: "
         "the last two columns are of as many changes as were tried in the order of the draw, without a gap. "
         "Changes that survived at first were given a test or a reason since: scores say what was done about this "
-        "sample. How many are found at first sight another seed tells.",
+        "sample. How many are found at first sight the next table tells.",
         "",
         "| group | changes | tried | killed | explained | survived | out of time | not called | score "
         "| first | their score |",
@@ -214,7 +256,7 @@ def table(seed: int) -> str:
             name = one.path.relative_to(PACKAGE).as_posix()
             listed.append(f"- {name}:{one.line} `{one.name}`: `{one.change}`: {reason or verdict + ', not looked at'}")
         listed.append("")
-    return "\n".join([*lines, *listed]).rstrip() + "\n\n" + section()
+    return "\n".join([*lines, *listed, *next_ones(seed)]).rstrip() + "\n\n" + section()
 
 
 def main() -> int:
@@ -223,6 +265,7 @@ def main() -> int:
     parser.add_argument("groups", nargs="*", default=list(GROUPS), help="of %(default)s")
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--after", type=int, default=0, metavar="COUNT")
     parser.add_argument("--again", nargs="+", type=Path, metavar="TEST")
     parser.add_argument("--write", action="store_true")
     options = parser.parse_args()
@@ -230,12 +273,13 @@ def main() -> int:
         SCORES.write_text(table(options.seed))
         return 0
     for group in options.groups:
+        draw = Draw(options.seed, options.after)
         child = os.fork()  # what one group's tests have loaded and changed is not another's
         if child == 0:
             if options.again:
-                judge_again(group, options.seed, options.again)
+                judge_again(group, draw, options.again)
             else:
-                judge(group, options.count, options.seed)
+                judge(group, options.count, draw)
             os._exit(0)
         os.waitpid(child, 0)
     return 0
