@@ -90,3 +90,7 @@ class SpecError(UsageError):
         lines = [str(fault) for fault in self.faults[:MOST_FAULTS]]
         more = len(self.faults) - len(lines)
         super().__init__("\n".join([*lines, *([f"... and {more} more faults"] if more else [])]))
+
+    def __reduce__(self) -> "tuple[type[SpecError], tuple[tuple[Fault, ...]]]":
+        """From one process to another."""
+        return type(self), (self.faults,)

@@ -22,6 +22,8 @@ _listener: ContextVar[Heard | None] = ContextVar("listener", default=None)
 _interrupted = False
 _waiting = False
 _spoken = 0.0  # when the last message was said
+_speaker: Callable[[str], object] | None = None  # who says what this process has to say
+_speaking_for = ""  # a name for what is done here
 
 
 def interrupt(_signal: int, _frame: FrameType | None) -> None:
@@ -60,7 +62,26 @@ def say(text: str) -> None:
     """A message, on stderr; as `tell`. In one write, so that lines of several processes do not mix."""
     global _spoken
     _spoken = time.monotonic()
+    if _speaker is not None:
+        _speaker(text)
+        return
     print(f"{plain(text)}\n", end="", file=sys.stderr)
+
+
+@contextlib.contextmanager
+def speaking_for(name: str, speaker: Callable[[str], object]) -> Iterator[None]:
+    """Let another process say what is said here, by ``speaker``: lines, with this name where they have none."""
+    global _speaker, _speaking_for
+    _speaker, _speaking_for = speaker, name
+    try:
+        yield
+    finally:
+        _speaker, _speaking_for = None, ""
+
+
+def _has_bar() -> bool:
+    """Whether there is a terminal that this process alone writes to."""
+    return _speaker is None and sys.stderr.isatty()
 
 
 def tell(text: str) -> None:
@@ -155,7 +176,7 @@ def progress_bar(
     if not show:
         yield lambda _done, _total: heed()
         return
-    if not (long and sys.stderr.isatty()):
+    if not (long and _has_bar()):
         with _Murmur(total, what, name, hint, clock) as murmur:
             yield murmur.update
         return
@@ -173,12 +194,18 @@ def progress_bar(
         yield update
 
 
+def _named(name: str = "") -> str:
+    """How a line of progress begins."""
+    name = name or _speaking_for
+    return f"{name}: " if name else ""
+
+
 class _Murmur:
     """Says how far some work is where nothing else has been said for a while; from a thread, for work is silent."""
 
     def __init__(self, total: int, what: str, name: str, hint: str, clock: Callable[[], float]) -> None:
         self._done, self._total, self._what = 0, total, what
-        self._name, self._hint, self._clock = f"{name}: " if name else "", hint, clock
+        self._name, self._hint, self._clock = _named(name), hint, clock
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._murmur, daemon=True)
 
@@ -229,7 +256,7 @@ def spread_progress(total: int, *, show: bool, done: int = 0, what: str = "cells
 
         yield hear
         return
-    if show and sys.stderr.isatty():
+    if show and _has_bar():
         from rich.console import Console
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
@@ -252,7 +279,7 @@ def spread_progress(total: int, *, show: bool, done: int = 0, what: str = "cells
         rate.add(more)
         if show and rate.done < total and time.monotonic() - spoken > LINE_EVERY:
             spoken = time.monotonic()
-            say(", ".join(filter(None, (f"{rate.done} of {total} {what}", rate.text(what)))))
+            say(_named() + ", ".join(filter(None, (f"{rate.done} of {total} {what}", rate.text(what)))))
 
     yield now_and_then
 

@@ -94,6 +94,7 @@ def run(
                 done_with(done["name"], done["stages"])
                 return
         from hknob_cli.pipeline.build import Fate, build
+        from hknob_cli.pipeline.side_by_side import SideBySide
         from hknob_cli.pipeline.steps import chosen, jobs_of, steps_of
         from hknob_cli.results import store
         from hknob_cli.specs.load import load_pipeline
@@ -109,13 +110,14 @@ def run(
         work = jobs_of(
             stages, root, jobs=jobs, force=force, quiet=quiet, verbose=verbose, unattended=True, scheduler=scheduler
         )
-        steps = steps_of(stages, work, root, said)
+        makers = SideBySide(jobs, said, spread=scheduler is None)
+        steps = steps_of(stages, work, root, makers)
         if dry_run or explain:
             outcomes = build(steps, root, force=force, dry=True)
             changed = _changed(outcomes, work)
             _say_plan(plan.name, outcomes, changed, explain=explain, as_json=as_json)
             return
-        with store.hold(root, []):
+        with store.hold(root, []), makers:
             outcomes = build(steps, root, force=force)
             heed()
             table = [

@@ -72,8 +72,10 @@ def literal(figure: "Figure") -> Iterator[None]:
     from matplotlib.ticker import FixedFormatter, FuncFormatter
 
     numbers: set[int] = set()
-    for axis in figure.findobj(Axis):
-        assert isinstance(axis, Axis)
+    found = figure.findobj(lambda one: isinstance(one, Axis | Text))  # to walk through a figure takes long
+    for axis in found:
+        if not isinstance(axis, Axis):
+            continue
         for formatter, put in (
             (axis.get_major_formatter(), axis.set_major_formatter),
             (axis.get_minor_formatter(), axis.set_minor_formatter),
@@ -82,9 +84,8 @@ def literal(figure: "Figure") -> Iterator[None]:
                 put(FuncFormatter(_Names(formatter)))  # names along an axis are made to texts as they are drawn
         ticks = (*axis.get_major_ticks(), *axis.get_minor_ticks())
         numbers |= {id(axis.offsetText), *(id(text) for tick in ticks for text in (tick.label1, tick.label2))}
-    for text in figure.findobj(Text):
-        assert isinstance(text, Text)
-        if id(text) not in numbers:
+    for text in found:
+        if isinstance(text, Text) and id(text) not in numbers:
             text.set_parse_math(False)
             text.set_text(_shown(text.get_text()))
     with warnings.catch_warnings():

@@ -217,7 +217,9 @@ def _at_samples(torque: Array) -> Array:
 
 def _held(torque: Array, stride: int) -> Array:
     """Mean of a held torque over intervals of ``stride`` samples, the last one over what there is."""
-    return np.array([torque[at : at + stride].mean() for at in range(0, torque.size, stride)])
+    whole = torque.size // stride * stride
+    means = torque[:whole].reshape(-1, stride).mean(axis=1)
+    return means if whole == torque.size else np.append(means, torque[whole:].mean())
 
 
 def _noise(at_rest: float | None, count: int, counts: float | None) -> float | None:

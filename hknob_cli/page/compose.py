@@ -12,10 +12,11 @@ from hknob_cli.errors import MISSHAPEN, UsageError
 from hknob_cli.figures import drawing_of
 from hknob_cli.page.answers import answers_of, tiles_of
 from hknob_cli.page.book import Chapter, Page, Source, Table
+from hknob_cli.page.by_processes import Progress
 from hknob_cli.page.claims.checks import argument_fault, check_fault
 from hknob_cli.page.contents import read_contents
 from hknob_cli.page.defaults import chapters_of
-from hknob_cli.page.drawn import Progress, draw_figures, filled
+from hknob_cli.page.drawn import draw_figures, filled
 from hknob_cli.page.tables import table_of
 from hknob_cli.results.result_set import MissingError, Result, ResultSet
 from hknob_cli.specs.page_plan import ChapterPlan, ReportPlan, Sentence, TablePlan

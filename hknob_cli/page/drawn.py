@@ -8,7 +8,7 @@ What sounds is the knob's speed; what a device makes of it is not known here.
 import base64
 import pickle
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +18,7 @@ from hknob_cli.errors import MISSHAPEN, UsageError
 from hknob_cli.figures import draw, drawing_of, theme
 from hknob_cli.figures.recording import settled_period
 from hknob_cli.page.book import Clip, Drawn
+from hknob_cli.page.by_processes import Progress, by_processes
 from hknob_cli.page.claims.checks import compute
 from hknob_cli.results.result_set import MissingError, ResultSet
 from hknob_cli.specs.page_plan import FigurePlan, Listen, Sentence
@@ -27,7 +28,6 @@ DURATION_S = 1.2
 
 _NOTHING = re.compile(r"^-(0(\.0*)?)$")  # what rounds to nothing has no sign
 FEW = 6  # figures, which one process has drawn before others have begun
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
@@ -48,29 +48,13 @@ def draw_figures(
     figures: Sequence[FigurePlan], evidence: ResultSet, mark: str, *, jobs: int = 1, progress: Progress
 ) -> list[Drawn]:
     """The figures in order, by ``jobs`` processes. Raises `UsageError` for options that a drawing does not take."""
-    artist, total = Artist(figures, evidence, mark), len(figures)
-    found: list[Drawn | None] = [None] * total
-
-    def deliver(start: int, stop: int, data: bytes) -> None:
-        found[start:stop] = pickle.loads(data)
-        progress(total - found.count(None), total)
-
-    if min(jobs, total) == 1 or total < FEW:
-        for number in range(total):
-            deliver(number, number + 1, artist(number, number + 1))
-    else:
-        from hknob_cli.spread.gather import Pace, Ranges, gather
-        from hknob_cli.spread.processes import Processes
-        from hknob_cli.terminal import heed
-
-        for one in {figure.draw for figure in figures}:  # what is loaded before they begin, they have
-            drawing_of(one)
-        workers = Processes(artist, min(jobs, total))
-        gather(
-            workers, Ranges(total), deliver, tick=heed, pace=Pace(first=1, most=1),
-            name=lambda one: f"figure {figures[one.start].id}",
-        )  # fmt: skip
-    return [one for one in found if one is not None]
+    for one in {figure.draw for figure in figures}:  # what is loaded before processes begin, they have
+        drawing_of(one)
+    artist = Artist(figures, evidence, mark)
+    return by_processes(
+        artist, len(figures), jobs=jobs if len(figures) >= FEW else 1, first=1, most=1, progress=progress,
+        name=lambda one: f"figure {figures[one.start].id}",
+    )  # fmt: skip
 
 
 def clips(evidence: ResultSet, wanted: Sequence[Listen]) -> tuple[Clip, ...]:

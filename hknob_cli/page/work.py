@@ -106,7 +106,9 @@ class ReportWork(Work):
 
     def compute(self, job: Job) -> Tables:
         """The claims with their verdicts."""
-        return (judge(load_ledger(Path(job.plan.claims)), _evidence(job)),) if job.plan.claims else ()
+        if not job.plan.claims:
+            return ()
+        return (judge(load_ledger(Path(job.plan.claims)), _evidence(job), jobs=job.jobs or usable_cores()),)
 
     def compose(self, job: Job, tables: Tables, stamp: bytes) -> dict[str, str]:
         """The page and its figures."""

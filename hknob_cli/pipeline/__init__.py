@@ -5,7 +5,9 @@
 - `fresh` whether there is anything to do, without loading it
 - `found` what a stage has found, in the line that says that it is done
 - `one_claim` the stages that one claim of its page needs, and the verdict
-- `steps` from a pipeline's plan to stages with their files, as pytask's protocols want them
+- `steps` from a pipeline's plan to stages with their files
+- `nodes` a stage and its files, as pytask's protocols want them
+- `side_by_side` stages that need nothing of one another, made by several processes
 
 A pipeline's record is pytask's. Steps are nodes with the digest of their content: spec files, what the pipeline sets,
 results of other stages, versions of the program. pytask orders them, skips, explains, and journals each as it ends,

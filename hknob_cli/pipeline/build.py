@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from hknob_cli.errors import ComputationError
 from hknob_cli.pipeline.fresh import LOCK
-from hknob_cli.pipeline.steps import FileNode, Step
+from hknob_cli.pipeline.nodes import FileNode, Step
 from hknob_cli.results.files import create
 from hknob_cli.terminal import heed
 

@@ -1,25 +1,19 @@
-"""From the plan of a pipeline to its steps: each stage's spec loaded and checked, its files known, ready to run.
-
-A step of a pipeline, its files and values, in the form that pytask's programmatic build takes.
-The classes follow pytask's protocols (``PNode``, ``PTask``) without importing it, so that whether anything has changed
-can be said before it is loaded.
-"""
-
+"""From the plan of a pipeline to its steps: each stage's spec loaded and checked, its files known, ready to run."""
 import contextlib
 import copy
-import hashlib
 import json
-import os
 import time
-from collections.abc import Callable, Sequence
-from functools import cached_property
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.errors import ComputationError, Fault, SpecError, UsageError
+from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.pipeline.found import done
 from hknob_cli.pipeline.fresh import spec_digest
-from hknob_cli.results.files import read_digest, refuse_link
+from hknob_cli.pipeline.nodes import Step
+from hknob_cli.pipeline.side_by_side import SideBySide, Task
+from hknob_cli.results.files import refuse_link
 from hknob_cli.specs.load import load
 from hknob_cli.specs.messages import unknown
 from hknob_cli.specs.named_file import open_named
@@ -32,125 +26,8 @@ from hknob_cli.stages.job import Job, work_of
 from hknob_cli.stages.make import make
 from hknob_cli.stages.work import Work
 
-Said = Callable[[str, str], None]
 _MANY = "results"  # of a report: results by name, also where there is one
 _RECORDED = "recordings"  # of an identification: begin at the folder of its spec
-
-
-class FileNode:
-    """A file, or a folder of results, that a step reads or writes.
-
-    It is named from the folder of the record, and its state is the digest of its content.
-    """
-
-    def __init__(self, path: Path, root: Path) -> None:
-        self.file = path.absolute()
-        self.shown = str(path)
-        self.name = Path(os.path.relpath(path, root)).as_posix()
-        self.attributes: dict[Any, Any] = {}
-
-    @property
-    def signature(self) -> str:
-        """What tells nodes apart."""
-        return f"file {self.file}"
-
-    def state(self) -> str | None:
-        """Digest of the content; None if there is no file. Raises `ComputationError` if it cannot be read."""
-        try:
-            return read_digest(self.file)
-        except OSError as error:
-            raise ComputationError(f"{self.shown}: cannot be read: {error.strerror or error}") from None
-
-    def load(self, is_product: bool = False) -> Path:  # noqa: ARG002
-        """The path."""
-        return self.file
-
-    def save(self, value: Any) -> None:
-        """Steps write their files themselves."""
-        raise NotImplementedError
-
-
-class ValueNode:
-    """Something a step depends on that is no file: settings, the version of the program."""
-
-    def __init__(self, name: str, value: str) -> None:
-        self.name = name
-        self.value = value
-        self.attributes: dict[Any, Any] = {}
-
-    @property
-    def signature(self) -> str:
-        """What tells nodes apart."""
-        return f"value {self.name}"
-
-    def state(self) -> str:
-        """Digest of the value."""
-        return hashlib.sha256(self.value.encode()).hexdigest()
-
-    def load(self, is_product: bool = False) -> str:  # noqa: ARG002
-        """The value."""
-        return self.value
-
-    def save(self, value: Any) -> None:
-        """Values are not written."""
-        raise NotImplementedError
-
-
-class Step:
-    """One stage to run: what it ``reads``, what it ``writes``, the ``values`` it depends on by name, and how to run it.
-
-    ``needs`` are the files of other steps; ``root`` is the folder of the record. ``run`` says whether anything had to
-    be computed, which ``computed`` keeps, and raises `HknobError`.
-    """
-
-    def __init__(
-        self,
-        name: str,
-        *,
-        reads: tuple[Path, ...],
-        needs: tuple[Path, ...],
-        writes: tuple[Path, ...],
-        values: dict[str, str],
-        root: Path,
-        run: Callable[[], bool],
-    ) -> None:
-        self.name = name
-        self.reads = reads
-        self.needs = needs
-        self.writes = writes
-        self.run = run
-        self.values = values
-        self.root = root
-        self.markers: list[Any] = []
-        self.report_sections: list[tuple[str, str, str]] = []
-        self.attributes: dict[Any, Any] = {}
-        self.function = run
-        self.computed = False
-
-    @cached_property
-    def depends_on(self) -> dict[str, Any]:
-        """Nodes that it waits for."""
-        files = [FileNode(path, self.root) for path in dict.fromkeys((*self.reads, *self.needs))]
-        values = [ValueNode(f"{self.name}: {name}", value) for name, value in self.values.items()]
-        return {"inputs": [*files, *values]}
-
-    @cached_property
-    def produces(self) -> dict[str, Any]:
-        """Nodes that it makes."""
-        return {"outputs": [FileNode(path, self.root) for path in self.writes]}
-
-    @property
-    def signature(self) -> str:
-        """What tells steps apart."""
-        return f"step {self.name}"
-
-    def state(self) -> str:
-        """What it depends on is in its inputs."""
-        return "1"
-
-    def execute(self, **_inputs: Any) -> None:
-        """Run it."""
-        self.computed = self.run()
 
 
 def chosen(plan: PipelinePlan, wanted: Sequence[str] | None = None) -> list[StagePlan]:
@@ -205,8 +82,8 @@ def jobs_of(stages: list[StagePlan], root: Path, **options: Any) -> dict[str, Jo
     return jobs
 
 
-def steps_of(stages: list[StagePlan], jobs: dict[str, Job], root: Path, said: Said) -> list[Step]:
-    """A step for each stage that has a spec, in order; ``said`` is told of a stage and what became of it.
+def steps_of(stages: list[StagePlan], jobs: dict[str, Job], root: Path, makers: SideBySide) -> list[Step]:
+    """A step for each stage that has a spec, in order, made by ``makers``, which are told of each.
 
     ``root`` is the folder of the pipeline's results.
     """
@@ -217,7 +94,7 @@ def steps_of(stages: list[StagePlan], jobs: dict[str, Job], root: Path, said: Sa
         if stage.folder is not None:
             files[stage.name] = (stage.folder,)
             continue
-        steps.append(_step(stage, jobs[stage.name], folders, files, said, root=root))
+        steps.append(_step(stage, jobs[stage.name], folders, files, makers, root=root))
         files[stage.name] = steps[-1].writes
     return steps
 
@@ -293,21 +170,27 @@ def _step(
     job: Job,
     folders: dict[str, Path],
     files: dict[str, tuple[Path, ...]],
-    said: Said,
+    makers: SideBySide,
     *,
     root: Path,
 ) -> Step:
     work: Work = work_of(job.kind)
     linked = {root / name for name in stage.needs}
 
-    def run() -> bool:
-        begin = time.perf_counter()
-        said(stage.name, "")
-        now = job._replace(plan=plan_of(stage, folders, frozenset())) if any(map(_is_hand, stage.inputs)) else job
-        computed = make(now, work).computed
-        said(stage.name, "as it was" if job.quiet or not computed else done(stage.name, job.out, begin))
-        return computed
+    writes = tuple(job.out / file for file in (*work.files(job), *work.texts(job), *work.folders(job)))
 
+    def run(jobs: int | None) -> tuple[bool, str]:
+        begin = time.perf_counter()
+        now = job._replace(plan=plan_of(stage, folders, frozenset())) if any(map(_is_hand, stage.inputs)) else job
+        computed = make(now._replace(jobs=jobs), work).computed
+        return computed, "as it was" if job.quiet or not computed else done(stage.name, job.out, begin)
+
+    makers.tasks[stage.name] = Task(
+        needs=frozenset(stage.needs) & makers.tasks.keys(),  # others are given
+        run=run,
+        missing=lambda: job.force or not all(path.exists() for path in writes),
+        alone=work.is_alone(job),
+    )
     needs = tuple(path for name in stage.needs for path in files[name])
     stages = {path.absolute() for path in needs}
     measured = [file for file in hand_files(job.plan) if file.absolute() not in stages]
@@ -319,12 +202,12 @@ def _step(
             *measured,
         ),
         needs=needs,
-        writes=tuple(job.out / file for file in (*work.files(job), *work.texts(job), *work.folders(job))),
+        writes=writes,
         values={
             **({"spec": spec_digest(stage.spec)} if stage.spec and is_stdin(stage.spec) else {}),
             "settings": json.dumps(job.overrides),
             "program": json.dumps({**work.versions(job), **work.surroundings()}, sort_keys=True),
         },
         root=root,
-        run=run,
+        run=partial(makers.make, stage.name),
     )

@@ -73,6 +73,10 @@ class Work:
         """What is there of that which is needed only until the results are in place."""
         return []
 
+    def is_alone(self, _job: Job) -> bool:
+        """Whether nothing else may run beside it: what it measures or drives depends on the clock."""
+        return False
+
     def finished(self, _job: Job) -> str:
         """What an earlier run that was cut short has finished, from which the next goes on; empty if there is none."""
         return ""

@@ -1,12 +1,15 @@
 """From computed values to a verdict, by the rule that `Claim` states. No verdict is ever written down elsewhere."""
 
-from collections.abc import Mapping
+import pickle
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import pyarrow as pa
 
 from hknob_cli.errors import UsageError
-from hknob_cli.page.claims.checks import compute
+from hknob_cli.page.by_processes import by_processes
+from hknob_cli.page.claims.checks import compute, known
 from hknob_cli.page.claims.ledger import Claim, Ledger, Reading
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import Column
@@ -18,6 +21,8 @@ REPRODUCED, DIFFERS, CONTRADICTED, NOT_TESTABLE = VERDICTS = (
     "contradicted",
     "not testable",
 )
+
+MANY = 40  # claims, which one process does not judge before others have begun
 
 _REAL, _TEXT, _FLAG = pa.float64(), pa.string(), pa.bool_()
 # Of a reading: its name, computed value, verdict, why it has no value, and why the print does not allow it.
@@ -60,9 +65,30 @@ class Judged(NamedTuple):
     missing: str = ""
 
 
-def judge(ledger: Ledger, evidence: ResultSet) -> pa.Table:
-    """Every claim of a ledger with its verdict, as a table. Raises `UsageError` for arguments a check does not take."""
-    return build_table(COLUMNS, [judge_claim(claim, evidence) for claim in ledger.claims])
+@dataclass(frozen=True)
+class Judge:
+    """What judges some of the claims of a ledger, in whatever process."""
+
+    claims: Sequence[Claim]
+    evidence: ResultSet
+
+    def __call__(self, start: int, stop: int) -> bytes:
+        """Claims ``start`` to ``stop``, pickled. Raises `UsageError` for arguments that a check does not take."""
+        return pickle.dumps([judge_claim(claim, self.evidence) for claim in self.claims[start:stop]])
+
+
+def judge(ledger: Ledger, evidence: ResultSet, *, jobs: int = 1) -> pa.Table:
+    """Every claim of a ledger with its verdict, as a table, by ``jobs`` processes.
+
+    Raises `UsageError` for arguments that a check does not take.
+    """
+    claims = ledger.claims
+    known()  # loaded before processes begin
+    rows = by_processes(
+        Judge(claims, evidence), len(claims), jobs=jobs if len(claims) >= MANY else 1, first=4, most=16,
+        name=lambda one: f"claim {claims[one.start].id}",
+    )  # fmt: skip
+    return build_table(COLUMNS, rows)
 
 
 def judge_claim(claim: Claim, evidence: ResultSet) -> dict[str, Any]:

@@ -38,6 +38,10 @@ class BenchWork(Work):
         """The same."""
         return {**{f"{name}_version": _version(name) for name in RIVALS}, "machine": machine()}
 
+    def is_alone(self, _job: Job) -> bool:
+        """It takes times."""
+        return True
+
     def compute(self, job: Job) -> Tables:
         """Every run, in as many processes as asked for."""
         stage = BenchStage(job.plan, jobs=job.jobs, notify=partial(note, job))

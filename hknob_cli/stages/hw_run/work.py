@@ -99,6 +99,10 @@ class HwRunWork(Work):
         if not job.force:
             refuse_other(job.out, spec_digest(job.plan.values))
 
+    def is_alone(self, job: Job) -> bool:
+        """A device, or its firmware, keeps its own time."""
+        return bool(job.plan.device.driver == SERIAL)
+
     def compute(self, job: Job) -> Tables:
         """Run what is not finished, then measure all."""
         pulses = isinstance(job.plan, PulsePlan)
