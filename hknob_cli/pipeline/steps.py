@@ -1,4 +1,5 @@
 """From the plan of a pipeline to its steps: each stage's spec loaded and checked, its files known, ready to run."""
+
 import contextlib
 import copy
 import json

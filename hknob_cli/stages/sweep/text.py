@@ -239,7 +239,7 @@ def _headline(summary: dict[str, Any]) -> str:
     counts = {**summary["orbits"], "undecided": sum(one["trials"] for one in summary.get("undecided", []))}
     found = ", ".join(f"{number} {_plural(kind, number)}" for kind, number in counts.items() if number)
     share = summary["certified_fraction"]
-    every = "every trial proven" if unproven_of(summary["cells"])[0] else "all proven"
+    every = "every trial tried is proven, not every start" if unproven_of(summary["cells"])[0] else "all proven"
     proven = every if share == 1.0 else f"{100 * share:.4g} % of trials proven"
     stale = " (up to date)" if summary["status"] == "up to date" else ""
     cells = len(summary["cells"])
