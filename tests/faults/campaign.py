@@ -9,7 +9,8 @@ undisturbed run leaves, byte for byte, and nothing else, and what was finished b
 2026-11-21, --kills 200 --seed 20261121, two busy cores, 334 s: 40 kills of each kind, and 66 runs that came through
 (sweep 3, spread 25, parts 19, run 16, hw-run 3), all as undisturbed. At the kills of spread sweeps 0 to 14 pieces or
 parts were finished; at those of campaigns, nearly all trials. 2026-11-22, --kills 60 --seed 20261122 and --kills 140
---seed 20261123, and --kills 200 --seed 20261125, quiet, 291 s: 40 kills of each kind, all as undisturbed.
+--seed 20261123, and --kills 200 --seed 20261125, quiet, 291 s: 40 kills of each kind, all as undisturbed. 2026-11-27,
+--kills 200 --seed 20261127, a pipeline's stages side by side, 279 s: 33 or 34 kills of each kind, all as undisturbed.
 """
 
 import argparse

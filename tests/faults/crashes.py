@@ -8,10 +8,11 @@ fault, without anybody's clearing up, and what had been reported as done must no
 the first N disks, to come to a failure at once. `test_crashes.py` does a share of it.
 
 2026-11-23, two busy cores, seeds 20261123, 20261124, 31, 41, 51 and 52: 9663 disks (sweep 991, replaced 1129, hw-run
-4500, device 2500, run 400, remedies 143), each another within its run, 1681 of them after two crashes or more:
-none wrong. 2026-11-25, --states 600 --seed 61, beside other work: 524 more (sweep, replaced, hw-run, run, remedies 86
-each, device 85, earlier 9), 79 after two crashes or more, none wrong. Before names of folders were synced, 17 of 60
-were in sweep, 17 of 60 in hw-run, 9 of 60 in device.
+4500, device 2500, run 400, remedies 143), each another within its run, 1681 of them after two crashes or more: none
+wrong. 2026-11-25, --states 600 --seed 61, beside other work: 524 more (sweep, replaced, hw-run, run, remedies 86 each,
+device 85, earlier 9), 79 after two crashes or more, none wrong. 2026-11-27, --states 1500 --seed 71, beside other work:
+1294 more (214 or 215 each, earlier 8), 208 after two crashes or more, none wrong. Before names of folders were synced,
+17 of 60 were in sweep, 17 of 60 in hw-run, 9 of 60 in device.
 """
 
 import argparse

@@ -10,6 +10,7 @@ byte. `test_flips.py` does a share of it.
 in pages, 463 in drawings, 464 in pictures, 911 in records, 1317 in pieces, 1665 in compiled code), ten made again.
 2026-11-25, --flips 10000 --seed 20261125 --rerun-every 1000, beside other work, 147 s: none believed (5223 in tables,
 496 in pages, 506 in drawings, 467 in pictures, 922 in records, 1434 in pieces, 952 in compiled code), ten made again.
+2026-11-27, --flips 10000 --seed 20261127: none believed (5233, 463, 477, 499, 979, 1419, 930), ten made again.
 """
 
 import argparse
