@@ -6,9 +6,9 @@ that nothing can be made beside is made in this process, and so is one that must
 """
 
 import contextlib
-import os
 import pickle
 import signal
+import sys
 import traceback
 from collections.abc import Callable, Iterable
 from math import ceil
@@ -57,7 +57,8 @@ class SideBySide:
         """Make ready; without ``spread`` everything is made in this process."""
         self.tasks: dict[str, Task] = {}  # in the order in which they are begun where several can be
         self._jobs, self._said = jobs, said
-        self._most = min(MOST, jobs or usable_cores()) if spread and hasattr(os, "fork") else 1
+        forks = sys.platform == "linux"  # elsewhere that is unsafe, and tasks cannot be handed to another process
+        self._most = min(MOST, jobs or usable_cores()) if spread and forks else 1
         self._asked: set[str] = set()
         self._begun: set[str] = set()
         self._made: dict[str, tuple[bool, BaseException | None]] = {}
