@@ -260,9 +260,9 @@ def events(
     while not done:
         if filled == len(rows):
             look()
-            if filled > max_events:
-                raise ComputationError(f"more than {max_events} events in {duration_s:g} s")
             rows = np.concatenate([rows, np.zeros_like(rows)])
         state = tuple(rows[filled - 1].tolist())
         filled, done = record(state, ending, loop, rows.reshape(-1), filled, len(rows))
+        if filled - 1 > max_events:  # the first row is the start
+            raise ComputationError(f"more than {max_events} events in {duration_s:g} s")
     return Motion(knob=knob, duration_s=duration_s, rows=rows[:filled].copy())
