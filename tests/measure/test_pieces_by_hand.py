@@ -1,6 +1,6 @@
 """Pieces of a motion by hand: their rates, by a body's own numbers, and the least and the most that a mesh carries."""
 
-from itertools import count, product
+from itertools import count, pairwise, product
 from math import factorial
 from typing import Any
 
@@ -76,16 +76,7 @@ def test_a_gears_rates_are_those_of_its_numbers(wound: bool, lag: float) -> None
 
 
 def test_a_knob_that_is_held_stands_still() -> None:
-    """Without a gear, too: only the torque that lags goes on, to what is commanded."""
-    assert not generator(knob().body, held=True).any()
-    body = knob(actuator={"time_constant": 1e-3}).body
-    rates = generator(body, held=True)
-    assert np.flatnonzero(rates.any(axis=1)).tolist() == [2]
-    assert rates[2].tolist() == pytest.approx([0.0, 0.0, -body.lag, 0.0, body.lag, 0.0])
-
-
-def test_a_knob_that_is_held_stands_still() -> None:
-    """Whatever its finger does."""
+    """Whatever its finger does; and a torque that lags goes on, to what is commanded."""
     finger = {
         "finger": {"inertia": 3e-7, "damping": 2.9e-3, "stiffness": 0.4},
         "fingerpad": {"damping": 3.8e-4, "stiffness": 0.05},
@@ -93,6 +84,10 @@ def test_a_knob_that_is_held_stands_still() -> None:
     for body in (knob().body, knob(hand=finger).body):
         assert not generator(body, held=True)[:2].any()
         assert generator(body, held=False)[0, 1] == 1.0
+    body = knob(actuator={"time_constant": 1e-3}).body
+    rates = generator(body, held=True)
+    assert np.flatnonzero(rates.any(axis=1)).tolist() == [2]
+    assert rates[2].tolist() == pytest.approx([0.0, 0.0, -body.lag, 0.0, body.lag, 0.0])
 
 
 def test_teeth_apart_damp_nothing() -> None:
@@ -137,7 +132,7 @@ def test_what_is_constant_of_cogging_is_that_of_the_slope() -> None:
     corners = [centre + (k + 0.5) * length for k in (-2, -1, 0, 1, 0, -1, -2)]
     chart = period([[x, 0.0] for x in corners], [6, 7, 6, -6, -7, -6])
     wanted = []
-    for one, other in zip(corners, corners[1:], strict=False):
+    for one, other in pairwise(corners):
         known = Cogged(body, [0.5 * (one + other), 0.0], 0.0)
         plain = Cogged(body._replace(cogs=(0.0, *body.cogs[1:])), [0.5 * (one + other), 0.0], 0.0)
         wanted.append(float(known.pull()[body.order] - plain.pull()[body.order]))

@@ -213,7 +213,7 @@ def test_a_position_that_is_as_far_as_a_double_tells_is_too_fine(monkeypatch: py
         (-1.0, {"kappa": 1.0, "gamma": 1.9, "phi": 0.25}, False),
         # A count above the wall's edge there is no edge.
         (1.0, {"kappa": 1.0, "gamma": 0.5, "beta": 1.0}, False),
-        # Below the wall's edge by just the bound, of a spring of 1, and by a little more; of a wall of 2000 by 1.5 of it.
+        # Below the wall's edge by just the bound, of a spring of 1, and by a bit more; of a wall of 2000 by 1.5 of it.
         (-8.0 * EPSILON * (1.0 + 16.0 * EPSILON), {"kappa": 1.0, "beta": 1.0}, True),
         (-8.0 * EPSILON * 1.001, {"kappa": 1.0, "beta": 1.0}, False),
         (-8.0 * EPSILON * 3000.0, {"kappa": 2000.0, "beta": 1.0}, False),
