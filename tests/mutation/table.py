@@ -72,9 +72,21 @@ CLI_OF_SPECS = ("explain", "new", "new_asks", "population", "predict", "presets"
 WIRED = (
     *("edges", "safety_margins", "block_order_margins", "sample_clock_margins", "replay_margins"),
     *("agreed_wall", "block_order", "campaign", "control", "drivers", "frame", "journal", "knob_motion", "measures"),
-    *("messages", "nuisances", "person", "pump", "replay", "safety", "sample_clock", "serial_device", "session"),
+    *(
+        "messages",
+        "nuisances",
+        "person",
+        "pump",
+        "reference_target",
+        "replay",
+        "safety",
+        "sample_clock",
+        "serial_device",
+        "session",
+    ),
     *("grip_trigger", "pulse_campaign", "pulse_loop", "pulse_person", "spoilt_trials", "tables", "trial_phases"),
     *("trial_margins", "trial_run", "virtual", "virtual_motor", "wire_margins"),
+    *("parts_by_hand", "reference_target"),
 )
 WATCHED: dict[str, tuple[str, ...]] = {
     "certificate.py": ("tests/engine/test_certificate.py", f"{PROOF}test_certificate_margins.py"),
