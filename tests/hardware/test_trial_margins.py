@@ -13,7 +13,7 @@ from hknob_cli.errors import DeviceError, SpecError, UsageError
 from hknob_cli.hardware import drivers, journal, order, pulse_person, ranges, trial_run
 from hknob_cli.hardware.archive import Archive
 from hknob_cli.hardware.campaign import GO_ON, IN_VAIN, UNSAFE, Campaign
-from hknob_cli.hardware.control import ControlledWall, control_of, looks_of
+from hknob_cli.hardware.control import ControlledWall, looks_of
 from hknob_cli.hardware.converters import NONE, ROUNDINGS, Conversion
 from hknob_cli.hardware.grip_trigger import pulse_of
 from hknob_cli.hardware.journal import Journal, packed, read_journal
@@ -21,7 +21,7 @@ from hknob_cli.hardware.knob_motion import PATIENCE, KnobMotion
 from hknob_cli.hardware.nuisances import Nuisances
 from hknob_cli.hardware.order import key_of, settings_of, trials_of
 from hknob_cli.hardware.over_angle import ShapedWall, over_angle_of
-from hknob_cli.hardware.person import PRINTED_TARGET_N, Person, _grip, _push, hand_at, hold, printed_grips, wander_sines
+from hknob_cli.hardware.person import PRINTED_TARGET_N, Person, _grip, _push, hold, printed_grips, wander_sines
 from hknob_cli.hardware.port import Drift, OverAngle, PulseOrder, Sine, Squeeze, Torque
 from hknob_cli.hardware.pulse_loop import PulsedKnob, PulseLoop
 from hknob_cli.hardware.pulse_person import grip_of, squeezer
@@ -29,7 +29,7 @@ from hknob_cli.hardware.pulse_phases import PulsePhases
 from hknob_cli.hardware.pulse_tables import _doubts, _fired_s, _pulse, pulse_tables
 from hknob_cli.hardware.ranges import faults_of_settings
 from hknob_cli.hardware.sources import ABOUT, RECORDING, source_digests
-from hknob_cli.hardware.tables import _settled_s, _torque_hz, campaign_tables
+from hknob_cli.hardware.tables import _torque_hz, campaign_tables
 from hknob_cli.hardware.torque_line import slots_of
 from hknob_cli.hardware.trial_file import Recorded, Samples, _more, joined, read_trial, write_trial
 from hknob_cli.hardware.trial_phases import Ended
@@ -40,7 +40,6 @@ from hknob_cli.recordings.spectrum import torque_rises_hz
 from hknob_cli.results.campaign_files import TRIED
 from hknob_cli.results.pulse_files import TRUTH
 from hknob_cli.specs.campaign import Course, Effects, Knob
-from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.plan import EndStops
 from tests.hardware import campaigns, pulses
 from tests.hardware.controllers import told
@@ -801,54 +800,3 @@ def test_a_fault_is_told_with_its_sample(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(loop._wall, "torques", lambda *_: next(torques))
     assert len(loop.block(running=True).time_us) == 4
     assert loop.fault == "the torque is not a number, at sample 43"
-
-
-def test_a_controllers_counts_are_shifted_as_the_encoders_are() -> None:
-    """The first of its numbers says by how much; without converters by nothing."""
-    lag = Controller("bounded_lag", keep=0.5, time_constant=0.1)
-    for converters, shift in ((None, 0.0), (NONE._replace(offset_counts=0.25), 0.25)):
-        assert control_of(lag, settings(converters=converters)).numbers[0] == shift
-
-
-def test_a_model_is_of_knob_and_hand_together() -> None:
-    """Of the hand that the spec aims at; of none for a controller without a model."""
-    plan = campaigns.planned()
-    plan = plan._replace(knob=Knob(1.5e-6, damping=2e-5))
-    hand = hand_at(plan.course.grip_target_n or order.USUAL_GRIP_N)
-    found = order._model_of(plan, Controller("half_sample"))
-    assert found == pytest.approx((1.5e-6 + hand.inertia, 2e-5 + hand.damping, hand.stiffness))
-    assert all(map(math.isnan, order._model_of(plan, Controller("bounded_lag"))))
-
-
-def test_a_grip_is_held_so_long_after_the_start() -> None:
-    """The wall is on from the third sample, number 12: five samples of a millisecond later."""
-    one = recorded([0.0] * 4)
-    table = one.table.append_column("running", [[False, False, True, True]])
-    one = one._replace(table=table, settled_sample=17, trial=one.trial._replace(sample_rate_hz=1000.0))
-    assert _settled_s(one) == pytest.approx(5.0 * MS)
-    assert _settled_s(one._replace(settled_sample=None)) is None
-
-
-def test_a_sensor_that_some_blocks_lack_is_none() -> None:
-    block = made_up(0, 2, 1000.0, started=None)
-    told = [block._replace(measured_torque_nm=np.array([0.5, 0.25])), block._replace(first=2)]
-    found = joined(told[:1]).measured_torque_nm
-    assert found is not None
-    assert found.tolist() == [0.5, 0.25]
-    assert joined(told).measured_torque_nm is None
-
-
-def test_a_speed_is_over_a_period_at_least(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A sample after a late one is nearer to it than a period; a late one further from the one before."""
-    loop = VirtualLoop(settings(block_samples=4), HAND, Nuisances(), 1000)
-    monkeypatch.setattr(loop._disturbances, "begins", lambda _: (np.array([0.0, 1.75, 2.0, 3.0]), np.zeros(4)))
-    passed = [0.0] * 0
-    sample = loop._sample
-
-    def noted(index: int, position: float, passed_s: float, running: bool) -> Any:
-        passed.append(passed_s)
-        return sample(index, position, passed_s, running)
-
-    monkeypatch.setattr(loop, "_sample", noted)
-    loop.block(running=True)
-    assert passed == pytest.approx([1.0 * MS, 1.75 * MS, 1.0 * MS, 1.0 * MS])

@@ -16,7 +16,7 @@ from hknob_cli.hardware.person import _sinc
 from hknob_cli.hardware.port import Sine, Torque
 from hknob_cli.hardware.ranges import LONGEST_BLOCK_S, faults, faults_of_simulated
 from hknob_cli.hardware.virtual import IDENTITY
-from hknob_cli.hardware.wire.answers import Abilities, About, Ack, Event, Samples
+from hknob_cli.hardware.wire.answers import Abilities, About, Ack, Event
 from hknob_cli.hardware.wire.block_order import BlockOrder
 from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
 from hknob_cli.hardware.wire.commands import MOST_SINES, Alive, Plain, Simulate, pack_simulated, unpack_simulated
@@ -372,47 +372,3 @@ def test_release_is_insisted_on_where_the_torque_stays(monkeypatch: pytest.Monke
         monkeypatch.setattr(one, "_close", lambda: None)
         one.__exit__(None, None, None)
         assert len(insisted) == insists
-
-
-def test_an_alarm_is_said_every_second_while_the_torque_stays_on(monkeypatch: pytest.MonkeyPatch) -> None:
-    """In the 3 s for which RELEASE is sent again, each tenth; not where it was answered as it should be."""
-    clock = Clock(monkeypatch)
-    monkeypatch.setattr(clock, "sleep", clock.wait, raising=False)
-    pump: Any = clock
-    for why, after in (("it is on", [1.0, 2.0]), ("", [])):
-        one, begin, said = serial_device.SerialDevice("somewhere"), clock.now, [(0.0, "")] * 0
-        clock.waited.clear()
-        one._torque = Torque.ON
-        monkeypatch.setattr(one, "_release", lambda _pump, why=why: why)
-        monkeypatch.setattr(one, "_alarm", lambda text, said=said, begin=begin: said.append((clock.now - begin, text)))
-        one._insist(pump)
-        assert clock.waited == [serial_device.INSIST_EVERY_S] * len(clock.waited)
-        assert clock.now - begin == pytest.approx(3.0, abs=0.11)
-        assert [when for when, _ in said] == pytest.approx(after, abs=0.21)
-        assert all("it is on; RELEASE is sent again" in text for _, text in said)
-
-
-def test_samples_that_are_sent_must_be_numbers() -> None:
-    made = made_up(0, 2, 1000.0, started=None)
-    encode(Samples(1, 2, 0, made))
-    for name in ("torque_nm", "grip_n"):
-        for bad in (math.nan, math.inf):
-            with pytest.raises(ValueError, match="finite"):
-                encode(Samples(1, 2, 0, made._replace(**{name: np.array([0.0, bad])})))
-
-
-def test_blocks_without_torque_may_go_on_after_stop() -> None:
-    """As of a target that samples on with its wall off."""
-    wire = Wire()
-    wire.arm()
-    wire.do(Kind.START)
-    wire.go(0.1)
-    wire.do(Kind.STOP)
-    last = wire.target.blocks[-1]
-    off = last.samples._replace(
-        running=np.zeros(len(last.samples.running), bool), torque_nm=np.zeros(len(last.samples.torque_nm))
-    )
-    wire.session.feed(wire.target._send(last._replace(block=last.block + 1, samples=off)), now=wire.now)
-    assert wire.session.failure is None
-    wire.session.feed(wire.target._send(last._replace(block=last.block + 1)), now=wire.now)
-    assert wire.session.failure == "the target acknowledged STOP, but goes on sampling with the wall on"
