@@ -45,7 +45,7 @@ BODIES = (
     "torque_table",
     "trace",
 )
-PLAIN = ("attractors", "bounces", "budget", "certificate", "ensemble", "extremes", "rest")
+PLAIN = ("attractors", "bounces", "budget", "certificate", "ensemble", "extremes", "relay_cycles", "rest")
 # Without those that run every pair of parts, and every preset.
 SPEC_TESTS = (
     *(
