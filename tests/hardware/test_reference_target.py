@@ -1,4 +1,4 @@
-"""The reference target without a compiler: what is said where there is none, or it fails, and how a target is greeted."""
+"""The reference target without a compiler: what is said where there is none or it fails, and how it is greeted."""
 
 import socket
 import subprocess
