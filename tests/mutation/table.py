@@ -114,7 +114,10 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/period_map.py": (f"{PROOF}test_period_map_margins.py", f"{PROOF}test_turn_margins.py"),
     "general/bent.py": (f"{PROOF}test_bent_margins.py",),
     "general/torque_curve.py": (f"{GENERAL}test_curve_by_hand.py", f"{GENERAL}test_torque_curve.py", *ABSENT),
-    "general/captured.py": (f"{PROOF}test_general_follow_margins.py", f"{GENERAL}test_hysteresis.py"),
+    "general/captured.py": (
+        *(f"{PROOF}test_general_{name}_margins.py" for name in ("follow", "trial")),
+        *(f"{GENERAL}test_{name}.py" for name in ("captured", "hysteresis")),
+    ),
     "general/follow.py": (
         f"{PROOF}test_general_follow_margins.py",
         f"{PROOF}test_general_trial_margins.py",
