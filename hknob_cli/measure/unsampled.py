@@ -207,7 +207,8 @@ class Motion(NamedTuple):
                 y = acceleration(n, edge + u, way, loop)
                 s, g, f = hold_coefficients(loop.alpha, piece_stiffness(n, loop), max(time - t, 0.0))
                 u, v = u + (s * v + g * y), f * v + s * y
-            out[:, i] = knob.angle_rad(edge + u), v * knob.unit_rad / knob.unit_s, self._torque(row, edge + u)
+            x = edge + u
+            out[:, i] = knob.angle_rad(x), v * knob.unit_rad / knob.unit_s, self._torque(row, x)
         return out[0], out[1], out[2]
 
     def _torque(self, row: Array, x: float) -> float:

@@ -211,6 +211,12 @@ def test_a_position_that_is_as_far_as_a_double_tells_is_too_fine(monkeypatch: py
         (-1.0, {"kappa": 1.0, "gamma": 0.875, "phi": 0.25}, False),
         # Pushed down by 0.9 above it, and up by 0.1 below it, where friction helps.
         (-1.0, {"kappa": 1.0, "gamma": 1.9, "phi": 0.25}, False),
+        (-1.0, {"kappa": 1.0, "gamma": 2.2, "phi": 0.25}, False),
+        (-1.0, {"kappa": 1.0, "gamma": 2.4, "phi": 0.25}, True),
+        # Pushed up below the edge by just the bound: 8 units of 2.
+        (0.0, {"kappa": 1.0 + 8.0 * EPSILON, "gamma": 1.0 - 8.0 * EPSILON}, True),
+        # Pushed out of the wall and held by a spring, as far from its edge as 12 units; the bound is 16.
+        (12.0 * EPSILON, {"kappa": 1.0, "gamma": -1.0, "beta": 1.0}, True),
         # A count above the wall's edge there is no edge.
         (1.0, {"kappa": 1.0, "gamma": 0.5, "beta": 1.0}, False),
         # Below the wall's edge by just the bound, of a spring of 1, and by a bit more; of a wall of 2000 by 1.5 of it.
@@ -283,3 +289,17 @@ def test_compiled_code_writes_the_events_down() -> None:
     functions = {"unsampled.record_motion": recorded}
     found = events(knob(64), angle_rad=0.02, velocity_rad_s=0.0, duration_s=1.0, functions=functions)
     assert found.rows[1:].tolist() == [[9.0] * 6]
+
+
+def test_the_energy_that_drifts_is_a_share_of_that_above_rest() -> None:
+    """Pushed by 7 it rests three counts down, at 7 * -3 + 2 * (1 + 2 + 3) = -9."""
+    one = knob(1024)._replace(loop=LOOP._replace(gamma=7.0))
+    assert rest_range(one.loop) == (-3.0, -3.0)
+    said = found(one, settling.BOUNCES_ON, moments=(4.0, -3.0, 2.0, 9.0), top=5.0, drift=0.75)
+    start = 0.5 * one.speed(0.5) ** 2 + 7.0 * one.position(0.02)
+    assert said.energy_drift == pytest.approx(0.75 / (start + 9.0), rel=1e-13)
+
+
+def test_no_times_have_no_motion() -> None:
+    motion = events(knob(64), angle_rad=0.02, velocity_rad_s=0.0, duration_s=0.1)
+    assert [len(column) for column in motion.at(np.array([]))] == [0, 0, 0]
