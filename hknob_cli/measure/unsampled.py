@@ -207,7 +207,8 @@ class Motion(NamedTuple):
                 y = acceleration(n, edge + u, way, loop)
                 s, g, f = hold_coefficients(loop.alpha, piece_stiffness(n, loop), max(time - t, 0.0))
                 u, v = u + (s * v + g * y), f * v + s * y
-            out[:, i] = knob.angle_rad(edge + u), v * knob.unit_rad / knob.unit_s, self._torque(row, edge + u)
+            x = edge + u
+            out[:, i] = knob.angle_rad(x), v * knob.unit_rad / knob.unit_s, self._torque(row, x)
         return out[0], out[1], out[2]
 
     def _torque(self, row: Array, x: float) -> float:
@@ -260,9 +261,9 @@ def events(
     while not done:
         if filled == len(rows):
             look()
-            if filled > max_events:
-                raise ComputationError(f"more than {max_events} events in {duration_s:g} s")
             rows = np.concatenate([rows, np.zeros_like(rows)])
         state = tuple(rows[filled - 1].tolist())
         filled, done = record(state, ending, loop, rows.reshape(-1), filled, len(rows))
+        if filled - 1 > max_events:  # the first row is the start
+            raise ComputationError(f"more than {max_events} events in {duration_s:g} s")
     return Motion(knob=knob, duration_s=duration_s, rows=rows[:filled].copy())

@@ -1,16 +1,18 @@
 """Functions and numbers of the controllers by hand: what they say of their guards, their slopes and their roundings."""
 
+from fractions import Fraction
 from math import cos, exp, inf, log, pi
+from random import Random
 from typing import Any
 
 import pytest
 
 from hknob_cli.controllers import phase_damping
 from hknob_cli.controllers.controller import ControlLaw, Plant, make_control_law
-from hknob_cli.controllers.estimated_velocity import filter_and_act, spring_and_damper
+from hknob_cli.controllers.estimated_velocity import adaptive_velocity, filter_and_act, spring_and_damper
 from hknob_cli.controllers.first_order_hold import LINE, FirstOrderHold
 from hknob_cli.controllers.half_sample import half_sample
-from hknob_cli.controllers.impulse_damping import ImpulseDamping
+from hknob_cli.controllers.impulse_damping import ImpulseDamping, impulse_damping
 from hknob_cli.controllers.matched_wall import MatchedWall, matched_gains, matched_wall
 from hknob_cli.controllers.passivity_control import passivity
 from hknob_cli.controllers.phase_damping import PhaseDamping
@@ -219,3 +221,43 @@ def test_a_stiffening_wall_is_at_most_as_stiff_as_asked_for() -> None:
         out = [7.0]
         assert stiffening(shown, 0.0, [], [0.0, 0.25, 0.5], out) == inf
         assert out == [torque]
+
+
+def longest_line(moves: list[int]) -> Fraction:
+    """Slope of the longest line, from the newest reading back, that passes none of these by more than a count."""
+    best = Fraction(moves[0])
+    for n in range(2, len(moves) + 1):
+        slope = Fraction(sum(moves[:n]), n)
+        if any(abs(sum(moves[:k]) - k * slope) > 1 for k in range(1, n)):
+            break
+        best = slope
+    return best
+
+
+def test_the_longest_line_is_within_a_count_of_all_that_it_passes() -> None:
+    """Exactly: each reading is a count, and each slope a fraction. Without a wall the damper acts alone."""
+    chance = Random(7)
+    fixed = [0.0, 1.0, 2.0, 0.0, inf, 0.0, 7.0, 8.0]
+    for _ in range(3000):
+        moves = [chance.choice([-1, 0, 0, 1, 1, 2, 3]) for _ in range(8)]
+        past, out = [*map(float, moves[1:]), 5.0], [7.0]
+        adaptive_velocity(5.0 + moves[0], 0.0, past, fixed, out)
+        assert out[0] == pytest.approx(float(longest_line(moves)), rel=1e-15)
+        assert past[:7] == list(map(float, moves[:7]))
+
+
+def test_without_a_wall_there_is_no_spring() -> None:
+    for everywhere, deep in ((0.0, 2.75), (1.0, 2.75), (2.0, 0.0)):
+        out = [7.0]
+        spring_and_damper(-3.0, 0.5, 0.0, inf, fixed_of(filtered=0.0, everywhere=everywhere), out)
+        assert out == [deep - 1.0]
+
+
+def test_an_impulse_of_a_whole_interval_leaves_no_rest() -> None:
+    """It gives back half of what the last count changed, over the whole of it: there is no other torque."""
+    past, out = [0.75, 0.0], [7.0]
+    assert impulse_damping(-3.0, 0.0, past, [0.25, 1.0, 0.5, 0.0], out) == inf
+    assert (past[0], out) == (2.75, [2.75 + 0.5 * 0.5 * 2.0])
+    out = [7.0, 7.0]
+    impulse_damping(-3.0, 0.0, [0.75, 0.0], [0.25, 0.5, 0.5, 0.0], out)
+    assert out == [2.75 + 0.5 * 0.5 * 2.0 / 0.5, 2.75]

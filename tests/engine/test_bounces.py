@@ -175,3 +175,13 @@ def test_a_peak_at_the_very_end_of_a_hold_is_one() -> None:
     assert hold_peaks(Hold(3.0, 2.0, 1.0, 0.0, -1.0, 1.0), math.inf, 0, loop, times, peaks) == 1
     assert (times[0], peaks[0]) == (4.0, 2.5)
     assert hold_peaks(Hold(3.0, 2.0, 1.0, 0.5, -0.5, 1.0), math.inf, 0, loop, times, peaks) == 0
+
+
+def test_a_peak_inside_the_wall_is_no_bounce() -> None:
+    """About a count below its edge, with a size of a quarter; and about one above, with the same."""
+    w = 8.0 * math.pi
+    loop = make_loop(0.0, w * w, 0.0, 0.0, 1.0, 0.0, 0.0)
+    for middle, count in ((-1.0, 0), (1.0, 4)):
+        times, peaks = [0.0] * 9, [0.0] * 9
+        hold = Hold(7.0, middle - 0.25, 0.0, 0.0, w * w * middle, 1.0)
+        assert hold_peaks(hold, 0.125, 0, loop, times, peaks) == count

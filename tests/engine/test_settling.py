@@ -128,3 +128,21 @@ def test_the_rest_on_a_soft_hand_by_hand(gamma: float, rest: float) -> None:
     loop = BALL._replace(kappa=1.0, beta=0.25, gamma=gamma)
     assert rest_range(loop) == (pytest.approx(rest), pytest.approx(rest))
     assert highest_rest(loop) == pytest.approx(rest)
+
+
+def test_a_ball_that_falls_deeper_bounces_as_often() -> None:
+    """From 16 it comes to the wall with v^2 = 32, and turns in the fourth count, of pushes 2, 5, 8 and 11.
+
+    Of these the first three take 4, 10 and 16.
+    """
+    fate, _, events, bounces, _, _, _, top, bottom, _ = settle_motion(16.0, 0.0, 0.0, True, 1000, 1, BALL)
+    assert (fate, bounces, events) == (BOUNCES_ON, 2, 2 * (4 + 1 + 4 + 1))
+    assert (top, bottom) == (pytest.approx(16.0, rel=1e-14), pytest.approx(-3.0 - 2.0 / 22.0, rel=1e-14))
+
+
+def test_friction_is_no_help_against_chatter() -> None:
+    """The height is that without it: with friction it gets less far."""
+    loop = BALL._replace(gamma=0.5, phi=0.25)
+    fastest = sqrt(2.0 * 0.02 * 0.5)
+    assert is_chatter(0.0, 0.99 * fastest, 0.02, loop)
+    assert not is_chatter(0.0, 1.01 * fastest, 0.02, loop)

@@ -197,3 +197,14 @@ def test_potential_is_least_at_the_rest_point(gamma: float, beta: float, counted
     least = potential(low, loop)
     for step in (-1.5, -0.5, -1e-3, 1e-3, 0.5, 1.5):
         assert potential(low + step, loop) >= least - 1e-14 * (1.0 + abs(least))
+
+
+def test_an_edge_at_the_end_of_a_swing_is_reached_although_its_energy_rounds_below() -> None:
+    """From rest it swings to twice its middle; some such ends are short of the energy by a rounding."""
+    below = 0
+    for k in range(1, 400):
+        y, beta = k / 397.0, 0.75 + k / 1999.0
+        gap, latest = 2.0 * y / beta, pi / sqrt(beta)
+        below += gap * (2.0 * y - beta * gap) < 0.0
+        assert 0.0 < crossing_time(0.0, y, gap, 0.0, beta, latest) <= latest * (1.0 + 1e-15)
+    assert below > 10

@@ -132,10 +132,12 @@ def test_chatter_is_rest_a_millionth_of_a_count_from_its_edge() -> None:
     assert plain.rows.tolist() == asked.rows.tolist()
 
 
-@pytest.mark.parametrize(("push", "wall"), [(5.0, 6.0), (7.0, 7.0), (9.0, 8.0)])
-def test_torque_of_the_wall_at_rest_on_an_edge(push: float, wall: float) -> None:
-    """What holds the push, between what the wall has on both sides; friction takes the rest."""
-    one = knob(1024)._replace(loop=LOOP._replace(gamma=push, phi=3.0))
+@pytest.mark.parametrize(
+    ("push", "beta", "wall"), [(5.0, 0.0, 6.0), (7.0, 0.0, 7.0), (9.0, 0.0, 8.0), (10.0, 1.0, 7.0)]
+)
+def test_torque_of_the_wall_at_rest_on_an_edge(push: float, beta: float, wall: float) -> None:
+    """What holds the push and a hand, between what the wall has on both sides; friction takes the rest."""
+    one = knob(1024)._replace(loop=LOOP._replace(gamma=push, beta=beta, phi=3.0))
     motion = Motion(one, 1.0, np.array([[0.0, 3.0, -3.0, 0.0, 0.0, 0.0]]))
     assert motion.torque_nm == pytest.approx([wall * one.torque_nm])
 
@@ -207,6 +209,21 @@ def test_a_position_that_is_as_far_as_a_double_tells_is_too_fine(monkeypatch: py
         # Pushed up by 0.25, which is the friction; and by a little more or less.
         (-1.0, {"kappa": 1.0, "gamma": 0.75, "phi": 0.25}, True),
         (-1.0, {"kappa": 1.0, "gamma": 0.875, "phi": 0.25}, False),
+        # Pushed down by 0.9 above it, and up by 0.1 below it, where friction helps.
+        (-1.0, {"kappa": 1.0, "gamma": 1.9, "phi": 0.25}, False),
+        (-1.0, {"kappa": 1.0, "gamma": 2.2, "phi": 0.25}, False),
+        (-1.0, {"kappa": 1.0, "gamma": 2.4, "phi": 0.25}, True),
+        # Pushed up below the edge by just the bound: 8 units of 2.
+        (0.0, {"kappa": 1.0 + 8.0 * EPSILON, "gamma": 1.0 - 8.0 * EPSILON}, True),
+        # Pushed out of the wall and held by a spring, as far from its edge as 12 units; the bound is 16.
+        (12.0 * EPSILON, {"kappa": 1.0, "gamma": -1.0, "beta": 1.0}, True),
+        # A count above the wall's edge there is no edge.
+        (1.0, {"kappa": 1.0, "gamma": 0.5, "beta": 1.0}, False),
+        # Below the wall's edge by just the bound, of a spring of 1, and by a bit more; of a wall of 2000 by 1.5 of it.
+        (-8.0 * EPSILON * (1.0 + 16.0 * EPSILON), {"kappa": 1.0, "beta": 1.0}, True),
+        (-8.0 * EPSILON * 1.001, {"kappa": 1.0, "beta": 1.0}, False),
+        (-8.0 * EPSILON * 3000.0, {"kappa": 2000.0, "beta": 1.0}, False),
+        (-8.0 * EPSILON * 1900.0, {"kappa": 2000.0, "beta": 1.0}, True),
     ],
 )
 def test_a_rest_on_an_edge_is_doubtful_where_roundings_decide(
@@ -247,3 +264,42 @@ def test_a_knob_that_stands_still_loses_nothing() -> None:
     assert (said.damping_loss_j, said.friction_loss_j) == (0.0, 0.0)
     damped = found(knob(1024, hand={"inertia": 3e-7, "damping": B}), settling.CAME_TO_REST, end=-2.5)
     assert damped.damping_loss_j > 0.0
+
+
+def test_a_motion_may_have_as_many_events_as_are_allowed() -> None:
+    """And none more, however many rows there is room for."""
+    one = knob(64)
+    for duration in (0.05, 2.0):
+        motion = events(one, angle_rad=0.02, velocity_rad_s=0.0, duration_s=duration)
+        met = len(motion.rows) - 1
+        again = events(one, angle_rad=0.02, velocity_rad_s=0.0, duration_s=duration, max_events=met)
+        assert again.rows.tolist() == motion.rows.tolist()
+        with pytest.raises(ComputationError, match=f"more than {met - 1} events"):
+            events(one, angle_rad=0.02, velocity_rad_s=0.0, duration_s=duration, max_events=met - 1)
+    assert met > 256
+
+
+def test_compiled_code_writes_the_events_down() -> None:
+    """Where there is any."""
+
+    def recorded(state: Any, ending: Any, loop: Any, rows: Any, filled: int, capacity: int) -> tuple[int, bool]:
+        rows[6 * filled : 6 * filled + 6] = 9.0
+        return filled + 1, True
+
+    functions = {"unsampled.record_motion": recorded}
+    found = events(knob(64), angle_rad=0.02, velocity_rad_s=0.0, duration_s=1.0, functions=functions)
+    assert found.rows[1:].tolist() == [[9.0] * 6]
+
+
+def test_the_energy_that_drifts_is_a_share_of_that_above_rest() -> None:
+    """Pushed by 7 it rests three counts down, at 7 * -3 + 2 * (1 + 2 + 3) = -9."""
+    one = knob(1024)._replace(loop=LOOP._replace(gamma=7.0))
+    assert rest_range(one.loop) == (-3.0, -3.0)
+    said = found(one, settling.BOUNCES_ON, moments=(4.0, -3.0, 2.0, 9.0), top=5.0, drift=0.75)
+    start = 0.5 * one.speed(0.5) ** 2 + 7.0 * one.position(0.02)
+    assert said.energy_drift == pytest.approx(0.75 / (start + 9.0), rel=1e-13)
+
+
+def test_no_times_have_no_motion() -> None:
+    motion = events(knob(64), angle_rad=0.02, velocity_rad_s=0.0, duration_s=0.1)
+    assert [len(column) for column in motion.at(np.array([]))] == [0, 0, 0]

@@ -196,8 +196,8 @@ def score_of(counts: Counter[str]) -> str:
 
 def next_ones(seed: int) -> list[str]:
     """The part of the page about samples that come behind the first: by group, at first sight and now."""
-    page = SCORES.read_text()
-    rows = {line.split(" |")[0]: line for line in page.partition(NEXT)[2].splitlines() if line.startswith("| ")}
+    told = SCORES.read_text().partition(NEXT)[2].partition("\n## ")[0]
+    rows = {line.split(" |")[0]: line for line in told.splitlines() if line.startswith("| ")}
     for path in sorted(FOLDER.glob(f"*-{seed}-*.jsonl")):
         group, _, after = path.stem.rsplit("-", 2)
         sample, there = dict(changes_of(group)), verdicts_in(path)

@@ -45,7 +45,7 @@ BODIES = (
     "torque_table",
     "trace",
 )
-PLAIN = ("attractors", "bounces", "budget", "certificate", "ensemble", "extremes", "rest")
+PLAIN = ("attractors", "bounces", "budget", "certificate", "ensemble", "extremes", "relay_cycles", "rest")
 # Without those that run every pair of parts, and every preset.
 SPEC_TESTS = (
     *(
@@ -75,6 +75,7 @@ WIRED = (
     *("messages", "nuisances", "person", "pump", "replay", "safety", "sample_clock", "serial_device", "session"),
     *("grip_trigger", "pulse_campaign", "pulse_loop", "pulse_person", "spoilt_trials", "tables", "trial_phases"),
     *("trial_margins", "trial_run", "virtual", "virtual_motor", "wire_margins"),
+    *("parts_by_hand", "reference_target"),
 )
 WATCHED: dict[str, tuple[str, ...]] = {
     "certificate.py": ("tests/engine/test_certificate.py", f"{PROOF}test_certificate_margins.py"),
@@ -113,7 +114,10 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/period_map.py": (f"{PROOF}test_period_map_margins.py", f"{PROOF}test_turn_margins.py"),
     "general/bent.py": (f"{PROOF}test_bent_margins.py",),
     "general/torque_curve.py": (f"{GENERAL}test_curve_by_hand.py", f"{GENERAL}test_torque_curve.py", *ABSENT),
-    "general/captured.py": (f"{PROOF}test_general_follow_margins.py", f"{GENERAL}test_hysteresis.py"),
+    "general/captured.py": (
+        *(f"{PROOF}test_general_{name}_margins.py" for name in ("follow", "trial")),
+        *(f"{GENERAL}test_{name}.py" for name in ("captured", "hysteresis")),
+    ),
     "general/follow.py": (
         f"{PROOF}test_general_follow_margins.py",
         f"{PROOF}test_general_trial_margins.py",

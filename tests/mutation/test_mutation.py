@@ -11,6 +11,7 @@ import pytest
 
 from hknob_cli.engine import jit, linking
 from tests.conftest import ROOT
+from tests.mutation import sample, whole
 from tests.mutation.accepted import KINDS
 from tests.mutation.campaign import forget, nothing_compiled, stopped_after
 from tests.mutation.mutate import mutants
@@ -167,3 +168,17 @@ def test_a_compiler_is_let_end_and_what_comes_behind_it_is_stopped() -> None:
         compiler["call"](lambda: done.append(spend(0.3)))
         done.append(spend(60.0))
     assert len(done) == 1
+
+
+def test_rows_of_groups_that_were_not_judged_stay_and_no_others_come(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Neither those of the first table nor of files that were tried whole, which have columns of their own."""
+    page = tmp_path / "scores.md"
+    row, first, file = "| specs | 1000 | 9 |", "| specs | 4000 | 1 |", "| `rest.py` | 5 |"
+    page.write_text(f"{first}\n\n{sample.NEXT}\n\n| group | x |\n|---|\n{row}\n\n{whole.HEAD}{file}\n")
+    monkeypatch.setattr(sample, "SCORES", page)
+    monkeypatch.setattr(sample, "FOLDER", tmp_path)
+    told = sample.next_ones(1)
+    assert [line for line in told if line.startswith("| ")][1:] == [row]
+    assert told[0] == sample.NEXT

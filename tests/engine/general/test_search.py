@@ -187,3 +187,55 @@ def test_an_end_with_a_period_has_an_orbit() -> None:
         [float(follow.REST_PROVEN), 1.0, *row[2:7], -2.0, 1.0, -1.0], [-1.25, 0.0], [], Reason.NO_REPEAT
     )
     assert (resting.edge, resting.span) == (0.25, (-2.0, 1.0))
+
+
+def test_what_is_too_fine_is_not_run() -> None:
+    trials = Trials()
+    found = searched(trials, knob(), [1e300, 0.0])
+    assert [(end.outcome, end.reason, end.trials) for end in found.attractors] == [
+        (Outcome.UNDECIDED, Reason.TOO_FINE, 4)
+    ]
+    assert (found.samples, trials.batches) == (0, [])
+
+
+def test_a_spring_far_out_holds_as_the_walls_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A push comes to rest where wall, hand and that spring hold it."""
+    one = knob()
+    spring = 3.0 * (one.wall.kappa + one.body.beta)
+    found = TorqueRange(-1.0, 1.0, 0.0, 0.0, spring)
+    monkeypatch.setattr(GeneralEngine, "torques", staticmethod(lambda wall: found))
+    trials = Trials()
+    searched(trials, one._replace(body=one.body._replace(push=100.0)), [0.0, 0.0])
+    assert trials.budget.limit == pytest.approx(1e6 * 25.0 / (one.wall.kappa + one.body.beta), rel=1e-12)
+
+
+def test_no_trial_begins_when_the_time_is_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those that are left have no end."""
+
+    class Rings:
+        def __init__(self, *_: Any) -> None:
+            self.asked = 0
+
+        def __enter__(self) -> "Rings":
+            return self
+
+        def __exit__(self, *_: object) -> None:
+            pass
+
+        @property
+        def over(self) -> bool:
+            self.asked += 1
+            return self.asked > 1
+
+    monkeypatch.setattr(module, "Alarm", Rings)
+    trials = Trials()
+    found = searched(trials, knob(), [0.0, 0.0], phases=20, seconds=1.0)
+    assert trials.batches == [(0, 8)]
+    ends = {end.reason: end.trials for end in found.attractors}
+    assert ends == {Reason.NONE: 8, Reason.TIME_LIMIT: 12}
+
+
+@pytest.mark.parametrize(("x", "edge"), [(-1.375, 0.375), (-0.625, 0.375), (2.125, 0.125), (-1.5, 0.5)])
+def test_a_rest_is_as_far_from_an_edge_as_from_the_next_whole_number(x: float, edge: float) -> None:
+    row = [float(follow.REST_PROVEN), 1.0, *[0.25] * 5, -2.0, 1.0, -1.0]
+    assert module.attractor_of(row, [x, 0.0], [], Reason.NO_REPEAT).edge == edge

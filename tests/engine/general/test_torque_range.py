@@ -5,6 +5,7 @@ from math import inf
 import numpy as np
 import pytest
 
+from hknob_cli.engine.general.torque_curve import HEAD, HIGHEST, LOWEST, MOST, SPRING, STOP
 from hknob_cli.engine.general.torque_range import TorqueRange, torque_range
 
 from .bodies import knob
@@ -42,3 +43,14 @@ def test_a_tables_torques_are_those_that_are_sent() -> None:
     assert of_table(0.0, 0.0, step=0.4)[:2] == (pytest.approx(-1.2), pytest.approx(1.2))
     assert of_table(0.0, 0.0, band=1.2)[:2] == (-1.3, 0.0)
     assert of_table(0.0, 0.0, limit=0.75)[:2] == (-0.75, 0.75)
+
+
+@pytest.mark.parametrize(
+    ("stop", "lowest", "most", "spring"),
+    [(0.0, -inf, inf, 2.0), (0.0, -inf, 3.0, 0.0), (5.0, -8.0, 3.0, 5.0), (5.0, -8.0, inf, 7.0), (5.0, -inf, inf, 2.0)],
+)
+def test_springs_without_an_end_hold_the_knob_far_out(stop: float, lowest: float, most: float, spring: float) -> None:
+    """An end stop below, and a dead zone's spring that no largest torque ends."""
+    curve = np.zeros(HEAD)
+    curve[[STOP, LOWEST, HIGHEST, SPRING, MOST]] = stop, lowest, 9.0, 2.0, most
+    assert torque_range(NONE._replace(curve=curve)).spring == spring
