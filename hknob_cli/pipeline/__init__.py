@@ -10,9 +10,10 @@
 - `side_by_side` stages that need nothing of one another, made by several processes
 
 A pipeline's record is pytask's. Steps are nodes with the digest of their content: spec files, what the pipeline sets,
-results of other stages, versions of the program. pytask orders them, skips, explains, and journals each as it ends,
-so that a kill costs one step at most; a stage that had already written its files finds them up to date by their
-provenance. After a run that ended well, `pipeline.json` beside `pytask.lock` lets the next run see that nothing has
-changed without loading either. Provenance names a pipeline's inputs by stage (`{from: grid}`) and digest, never by
-path, so that the same work gives the same bytes anywhere. Independent stages run in no fixed order.
+results of other stages, versions of the program. pytask orders them, skips, explains, and journals each as it ends, so
+that a kill costs the steps under way at most; a stage that had already written its files, beside others or just before
+the kill, finds them up to date by their provenance. After a run that ended well, `pipeline.json` beside `pytask.lock`
+lets the next run see that nothing has changed without loading either. Provenance names a pipeline's inputs by stage
+(`{from: grid}`) and digest, never by path, so that the same work gives the same bytes anywhere. Independent stages run
+in no fixed order.
 """
