@@ -48,7 +48,7 @@ class _Worker(NamedTuple):
 
 
 class SideBySide:
-    """Makes tasks by at most ``jobs`` processes, as many as there are cores if None; ends them on leaving.
+    """Makes tasks by ``jobs`` processes, as many as there are cores if None, at most `MOST`; ends them on leaving.
 
     ``said`` is told, of each stage, when it begins (an empty text) and what became of it.
     """
@@ -59,6 +59,8 @@ class SideBySide:
         self._jobs, self._said = jobs, said
         forks = sys.platform == "linux"  # elsewhere that is unsafe, and tasks cannot be handed to another process
         self._most = min(MOST, jobs or usable_cores()) if spread and forks else 1
+        # Processes of a stage's own: twice its share of the cores, because one is often left without others beside it.
+        self._share = ceil(2 * (jobs or usable_cores()) / self._most)
         self._asked: set[str] = set()
         self._begun: set[str] = set()
         self._made: dict[str, tuple[bool, BaseException | None]] = {}
@@ -133,7 +135,7 @@ class SideBySide:
             self._said(name, "")
             self._busy[worker.pipe] = worker, name
             with contextlib.suppress(OSError):  # it died with nothing to do, which is seen where it should answer
-                worker.pipe.send((name, ceil(2 * (self._jobs or usable_cores()) / self._most)))
+                worker.pipe.send((name, self._share))
 
     def _new(self) -> _Worker:
         """Another process. Raises `ComputationError` where there may not be so many."""

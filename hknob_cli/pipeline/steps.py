@@ -177,7 +177,6 @@ def _step(
 ) -> Step:
     work: Work = work_of(job.kind)
     linked = {root / name for name in stage.needs}
-
     writes = tuple(job.out / file for file in (*work.files(job), *work.texts(job), *work.folders(job)))
 
     def run(jobs: int | None) -> tuple[bool, str]:

@@ -33,9 +33,8 @@ BUDGET = Budget(slowest_s=4.0, in_all_s=4.0, whole=False)
 FOLDER = ROOT / "results" / "mutation"
 NEXT = "## Those that come next in the draw"
 NEXT_HEAD = (
-    "Of these nothing was known when the tests were written that killed the first: what is killed *at first sight* is "
-    "what the tests find of a change that nobody has thought of. *Now*: after what survived was given a test or a "
-    "reason.",
+    "No test was written for these. What is killed *at first sight* says how well the tests find a change that nobody "
+    "has thought of. Those that survived were then given a test or a reason: *now* counts these, too.",
     "",
     "| group | behind the first | tried | killed at first sight | score at first sight | killed now | explained "
     "| survived | not called | score now |",
@@ -74,7 +73,7 @@ class Draw(NamedTuple):
 
 
 def verdicts_in(path: Path) -> dict[str, dict[str, Any]]:
-    """What has been judged so far, and how at first; a torn last line is none."""
+    """What has been judged so far, and how at first; a torn last line is left out."""
     found = {}
     for line in path.read_text().splitlines() if path.exists() else ():
         try:
@@ -232,7 +231,7 @@ def table(seed: int) -> str:
         "killed, of those that were called and not explained. The files below that are tried whole were tried first: "
         "the last two columns are of as many changes as were tried in the order of the draw, without a gap. "
         "Changes that survived at first were given a test or a reason since: scores say what was done about this "
-        "sample. How many are found at first sight the next table tells.",
+        "sample. The next table tells how many are found at first sight.",
         "",
         "| group | changes | tried | killed | explained | survived | out of time | not called | score "
         "| first | their score |",
