@@ -13,18 +13,17 @@ def first_zero(v, y, alpha, beta):
     """
     a = 0.5 * alpha
     rate = y - a * v
+    slows = v > 0.0 > rate or v < 0.0 < rate  # not told from the quotient, which underflows
     square = beta - a * a
     if square > 0.0:
         w = sqrt(square)
         if rate == 0.0:
             return 0.5 * pi / w
         t = atan(-v * w / rate) / w
-        return t if t > 0.0 else t + pi / w
-    if rate == 0.0:
+        return t if slows else t + pi / w
+    if not slows:
         return float("inf")
     z = -v / rate
-    if z <= 0.0:
-        return float("inf")
     r = sqrt(-square)
     if r == 0.0:
         return z

@@ -37,6 +37,7 @@ def test_a_creeping_motion_turns_once_or_never(size: float) -> None:
         (1.0, -0.5, inf),
         (1.0, 2.0, inf),
         (1.0, 0.0, inf),
+        (-1.0, 0.0, inf),
         (0.0, 2.0, inf),
         (0.0, -2.0, inf),
     ):
@@ -73,6 +74,15 @@ def test_the_first_zero_is_one_of_the_motion(alpha: float, beta: float) -> None:
                 bend = abs(y - alpha * v) + abs(v) * (alpha + sqrt(beta)) + abs(y)
                 assert abs(speed(v, y, t)) <= 2.0**-48 * bend * (t + 1.0 / (alpha + sqrt(beta)))
     assert found >= 10
+
+
+@pytest.mark.parametrize(("alpha", "beta"), [(0.1, 1.0), (3.0, 1.0), (2.0, 1.0), (2.5, 0.0)])
+@pytest.mark.parametrize("v", [5e-324, -5e-324])
+def test_a_speed_whose_quotients_underflow_stops_at_once(alpha: float, beta: float, v: float) -> None:
+    """It is no standstill: slowed, it ends now; driven, it turns when one that leaves a standstill does."""
+    slowing = -3.0 if v > 0.0 else 3.0
+    assert first_zero(v, slowing, alpha, beta) == 0.0
+    assert first_zero(v, -slowing, alpha, beta) == first_zero(0.0, -slowing, alpha, beta)
 
 
 def test_zeros_are_half_a_period_apart() -> None:

@@ -7,7 +7,6 @@ from hknob_cli.engine.turning import first_zero
 
 SERIES = 6  # where the series begin in `Body.vectors`
 MANY_TURNS = 8.0  # half cycles of ringing left in a hold beyond which they are taken in one
-AT_ONCE = 1e-290  # time in which a velocity vanishes that is none: the formulas' quotients underflow
 
 
 def coefficients(t, body):
@@ -73,8 +72,6 @@ def until_zero(x, v, drive, mode, left, s, g, f, known, body):
     y = drive - body.beta * x
     if known and body.spacing >= left and (f * v + s * y) * mode >= 0.0:
         return s, g, f, left, False
-    if v != 0.0 and v * mode < -AT_ONCE * y * mode:
-        return 0.0, 0.0, 1.0, 0.0, True
     t = first_zero(v, y, body.alpha, body.beta)
     if t >= left:
         if not known:

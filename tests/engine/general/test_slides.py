@@ -119,7 +119,8 @@ def test_speed_too_small_for_the_formulas_ends_at_once(alpha: float, beta: float
     """-v / rate underflows to 0, which must not be read as a standstill that leaves, half a ringing period long."""
     body = ringing(alpha, beta, 0.2)
     *_, t, ended = until_zero(0.0, 5e-324, -0.2, 1, 1.0, 0.0, 0.0, 1.0, False, body)
-    assert (t, ended) == (0.0, True)
+    assert 0.0 <= t <= 1e-322
+    assert ended
 
 
 def test_the_series_is_asked_for_one_sample_period_at_most() -> None:

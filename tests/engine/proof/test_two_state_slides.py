@@ -6,14 +6,7 @@ from typing import Any
 import pytest
 
 from hknob_cli.engine.general.body import Body
-from hknob_cli.engine.general.slide_two import (
-    AT_ONCE,
-    coefficients,
-    skip_turns,
-    step_with_friction,
-    until_zero,
-    way,
-)
+from hknob_cli.engine.general.slide_two import coefficients, skip_turns, step_with_friction, until_zero, way
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.scene.general_knob import make_body
 from hknob_cli.specs.scene import SceneSpec
@@ -74,9 +67,8 @@ def test_a_slide_lasts_until_its_speed_vanishes() -> None:
                         *hold_coefficients(0.0, SPRING, left), left, False,
                     )  # fmt: skip
     # Such a slow one that it stops at once, as far as numbers go.
-    tiny = AT_ONCE * 1e-2
-    assert told(1.0, tiny, 0.0, 1, 1.0) == (0.0, 0.0, 1.0, 0.0, True)
-    assert told(-1.0, -tiny, 0.0, -1, 1.0) == (0.0, 0.0, 1.0, 0.0, True)
+    assert told(1.0, 5e-324, 0.0, 1, 1.0) == (0.0, 0.0, 1.0, 0.0, True)
+    assert told(-1.0, -5e-324, 0.0, -1, 1.0) == (0.0, 0.0, 1.0, 0.0, True)
     assert told(1.0, 1e-200, 0.0, 1, 1.0)[3:] == (pytest.approx(2.5e-201), True)
     # And one that turns after all where it is longer than the distance of its zeros.
     assert told(-2.0, 0.0, 0.0, 1, 2.5 * TURN)[3:] == (pytest.approx(TURN), True)

@@ -136,6 +136,16 @@ def shapes(draw: st.DrawFn) -> list[float]:
     u=0.38273000559479275,
     seed=252144462,
 )
+@example(  # a speed whose quotients underflow
+    body=body_of(
+        alpha=2.4621018577656297, beta=1.0489031798441713, friction=1.2818516438932714, push=0.633125267386721
+    ),
+    corners=[-1.0, 0.0, 1.0, 0.0],
+    x=-1.18e-130,
+    v=-5e-324,
+    u=2.4621018577656297,
+    seed=4294967295,
+)
 def test_no_state_is_lost(body: Body, corners: list[float], x: float, v: float, u: float, seed: int) -> None:
     """Every state of the set, moved by itself, lies in a part of the set that has moved."""
     size = radius_of(corners, len(corners) // 2, 1.0)
