@@ -42,6 +42,7 @@ class Reason(IntEnum):
     JITTERS = 24
     COGS = 25
     RACES = 26
+    PARTS_OR_COGS = 27
 
 
 WORDS = {
@@ -62,6 +63,8 @@ WORDS = {
     Reason.CONSERVATIVE: "neither damping nor friction: the motion repeats, one of a continuum of its kind",
     Reason.PARTS: "teeth part in the cycle: it attracts to first order, but no bound on how far away is proven",
     Reason.COGS: "cogging holds the knob on no slope all along: the cycle attracts to first order, which is no proof",
+    Reason.PARTS_OR_COGS: "teeth part, or no slope of cogging holds the knob all along: it attracts to first order, "
+    "which is no proof",
     Reason.RACES: "grew beyond a thousand times its start and static depth, past 1024 corners of cogging a sample",
     Reason.JITTERS: "no two sample intervals are alike: no motion repeats, and rest is not proven",
     Reason.TOO_LONG: "it repeats, but its period has too many turning points to measure",

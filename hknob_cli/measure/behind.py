@@ -54,8 +54,8 @@ def extremes(body: Body, chart: PeriodSegments, row_of: Callable[[Body, int], Ar
     found: list[float] = []
     if body.play == 0.0:
         found = [float(value) for value in chart.states @ row_of(body, WALL)[: body.order]]
-    for these, held, teeth in regimes(chart.modes):
-        g, row = generator(body, held=held, teeth=teeth), row_of(body, teeth)
+    for these, held, teeth, slope in regimes(chart.modes):
+        g, row = generator(body, held=held, teeth=teeth, slope=slope), row_of(body, teeth)
         if body.play > 0.0:
             for states in (chart.states[:-1][these], chart.states[1:][these]):
                 found += [float(value) for value in states @ row[: body.order] + row[body.order]]

@@ -25,9 +25,9 @@ from hknob_cli.engine.general.body import (
     Body,
     coil_at,
 )
-from hknob_cli.engine.general.cogging import CENTRE, COGGED, LENGTH, SLOPE, STABLE, UNSTABLE
+from hknob_cli.engine.general.cogging import CENTRE, COGGED, LENGTH, SLOPE, STABLE, TOOTHED, UNSTABLE
 from hknob_cli.engine.general.search import PeriodSegments
-from hknob_cli.engine.general.teeth import APART, BACK, STUCK_APART, STUCK_BACK
+from hknob_cli.engine.general.teeth import APART, BACK, ON_STABLE, ON_UNSTABLE, STUCK_APART, STUCK_BACK
 from hknob_cli.engine.orbit import forms
 from hknob_cli.engine.orbit.forms import RULE
 
@@ -64,25 +64,30 @@ class Integrals(NamedTuple):
 
 
 class Regime(NamedTuple):
-    """Pieces of a motion with one generator: ``these`` (m,) of all; ``held`` by friction, or on which ``teeth``.
+    """Pieces of a motion with one generator: ``these`` (m,) of all; ``held`` by friction; on which ``teeth``.
 
-    ``teeth``: `WALL` on the flank on which the wall holds the push, `teeth.APART` on none, `teeth.BACK` on the other;
-    or the slope of cogging, `cogging.STABLE` or `cogging.UNSTABLE`.
+    ``teeth``: `WALL` on the flank on which the wall holds the push, `teeth.APART` on none, `teeth.BACK` on the other.
+    ``slope``: of cogging, `cogging.STABLE` or `cogging.UNSTABLE`; 0 without, and where the motor is held.
     """
 
     these: NDArray[np.bool_]
     held: bool
     teeth: int
+    slope: int
 
 
 WALL = 1
 
 
-def regime_of(kind: int) -> tuple[bool, int]:
-    """Whether the motor is held, and its teeth, in pieces of a mode of this size."""
+def regime_of(kind: int) -> tuple[bool, int, int]:
+    """Whether the motor is held, its teeth, and the slope of its cogging, in pieces of a mode of this size."""
     if kind in (0, STUCK_APART, STUCK_BACK):
-        return True, {STUCK_APART: APART, STUCK_BACK: BACK}.get(kind, WALL)
-    return False, kind
+        return True, {STUCK_APART: APART, STUCK_BACK: BACK}.get(kind, WALL), 0
+    if kind in (STABLE, UNSTABLE):
+        return False, WALL, kind
+    if kind > ON_UNSTABLE:
+        return False, kind - ON_UNSTABLE, UNSTABLE
+    return (False, kind - ON_STABLE, STABLE) if kind > ON_STABLE else (False, kind, 0)
 
 
 def ways(modes: Array) -> Array:
@@ -94,12 +99,13 @@ def ways(modes: Array) -> Array:
 def regimes(modes: Array) -> list[Regime]:
     """Which pieces have which generator, from their ``modes`` (m,) as `engine.general.trace` writes them."""
     kinds = np.abs(modes)
-    every = (WALL, 0, APART, BACK, STUCK_APART, STUCK_BACK, STABLE, UNSTABLE)
+    on_slopes = [add + flank for add in (ON_STABLE, ON_UNSTABLE) for flank in (WALL, APART, BACK)]
+    every = (WALL, 0, APART, BACK, STUCK_APART, STUCK_BACK, STABLE, UNSTABLE, *on_slopes)
     found = [Regime(kinds == kind, *regime_of(kind)) for kind in every]
     return [one for one in found if one.these.any()]
 
 
-def generator(body: Body, *, held: bool, teeth: int = WALL) -> Array:
+def generator(body: Body, *, held: bool, teeth: int = WALL, slope: int = 0) -> Array:
     """Matrix of d/dt (z, 1, u, f), shape (n + 3, n + 3)."""
     n = body.order
     g = np.zeros((n + 3, n + 3))
@@ -107,8 +113,8 @@ def generator(body: Body, *, held: bool, teeth: int = WALL) -> Array:
     matrix, vector = (HELD, CONSTANT_HELD) if other else (RATES, CONSTANT)
     if held and body.play > 0.0:
         matrix, vector = STUCK + (teeth == APART), CONSTANT_STUCK
-    if teeth in (STABLE, UNSTABLE):
-        matrix = COGGED + (teeth == UNSTABLE)
+    if slope and not held:
+        matrix = (TOOTHED + 2 * (teeth == APART) if body.play > 0.0 else COGGED) + (slope == UNSTABLE)
     first = matrix * n * n
     g[:n, :n] = np.reshape(body.matrices[first : first + n * n], (n, n))
     g[:n, n] = body.vectors[vector * n : (vector + 1) * n]
@@ -186,10 +192,10 @@ def relaxed(body: Body, start: float, end: float) -> float:
     return 0.5 * body.pad_stiffness * (stored[0] - stored[1])
 
 
-def integrate(body: Body, duration: float, *, held: bool, teeth: int = WALL) -> Integrals:
+def integrate(body: Body, duration: float, *, held: bool, teeth: int = WALL, slope: int = 0) -> Integrals:
     """Integrals over a piece of length ``duration``."""
     n = body.order
-    g = generator(body, held=held, teeth=teeth)
+    g = generator(body, held=held, teeth=teeth, slope=slope)
     size = float(np.abs(g).sum(axis=1).max()) * duration
     doublings = max(0, ceil(log2(size)) + 1) if size > 0.0 else 0
     h = duration / 2.0**doublings

@@ -251,8 +251,8 @@ class GeneralMeasurer:
         total = np.zeros(4)
         for i, (span, mode) in enumerate(zip(chart.spans, chart.modes, strict=True)):
             key = float(span), int(abs(mode))
-            held, teeth = regime_of(key[1])
-            found = self._integrals.get(key) or integrate(body, key[0], held=held, teeth=teeth)
+            held, teeth, slope = regime_of(key[1])
+            found = self._integrals.get(key) or integrate(body, key[0], held=held, teeth=teeth, slope=slope)
             if key[0] in (1.0, self.knob.wall.split, 1.0 - self.knob.wall.split):
                 self._integrals[key] = found
             zeta = starts[i]

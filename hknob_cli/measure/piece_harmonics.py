@@ -30,12 +30,12 @@ def of_chart(body: Body, chart: PeriodSegments, period_samples: int, count: int,
     seen = knob_row(body)[: body.order] if behind else np.eye(body.order)[0]
     total = np.zeros(count, dtype=np.complex128)
     w: Array = np.asarray(2.0 * np.pi / period_samples * np.arange(1, count + 1), dtype=np.float64)
-    for mask, held, teeth in regimes(chart.modes):
+    for mask, held, teeth, slope in regimes(chart.modes):
         these = mask[:, None]
         # The piece before the first is the last, one period ago.
         jumps = np.roll(these * after, 1, axis=0) - these * before
         moved = jumps.any(axis=0)
-        rows = _sight(generator(body, held=held, teeth=teeth), seen, w)[:, moved]
+        rows = _sight(generator(body, held=held, teeth=teeth, slope=slope), seen, w)[:, moved]
         total += (rows * _transform(starts, jumps[:, moved], period_samples, w)).sum(axis=1)
     return 2.0 / period_samples * total
 

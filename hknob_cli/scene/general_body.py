@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hknob_cli.engine.general.body import RATES, Body
-from hknob_cli.engine.general.cogging import COGGED, SLOPE
+from hknob_cli.engine.general.cogging import COGGED, SLOPE, TOOTHED
 from hknob_cli.engine.propagator import hold_coefficients, slowest_rate
 from hknob_cli.engine.turning import zero_spacing
 from hknob_cli.scene.increments import halves, increment, increments, power_series, slowest_decay
@@ -72,7 +72,7 @@ def make_body(scene: Scene, *, period: float, quantum: float, shift: float, spli
     stuck_constant = np.zeros(0)
     if scene.play:
         # The second matrix is that of teeth that do not press; what friction holds has its own.
-        if scene.knob.coulomb_torque > 0.0:
+        if scene.knob.coulomb_torque > 0.0 or scene.cogging:
             loose = held.copy()
             loose[3, :4] = finger.stiffness, 0.0, -finger.stiffness, -finger.damping
             more, stuck_constant = [held, loose, halves(held), halves(loose)], held_constant
@@ -81,11 +81,13 @@ def make_body(scene: Scene, *, period: float, quantum: float, shift: float, spli
         held[3, 2:4] = -finger.stiffness, -finger.damping
     cogs = _cogs(scene.cogging, square=square, quantum=quantum, offset=encoder_shift)
     if cogs:
-        for spring in (cogs[SLOPE], -cogs[SLOPE]):
-            beside = a.copy()
-            beside[:, 0] -= spring * entry
-            more.append(beside)
-        more += [halves(one) for one in more]
+        sloped = []
+        for mode in (a, held) if scene.play else (a,):
+            for spring in (cogs[SLOPE], -cogs[SLOPE]):
+                beside = mode.copy()
+                beside[:, 0] -= spring * entry
+                sloped.append(beside)
+        more += [*sloped, *(halves(one) for one in sloped)]
     second_order = order == 2
     ones = hold_coefficients(alpha, beta, split), hold_coefficients(alpha, beta, 1.0 - split)
     series = power_series(alpha, beta) if second_order else np.zeros(0)
@@ -191,6 +193,6 @@ def add_spans(body: Body, spans: Sequence[float]) -> Body:
 def turns_of(body: Body) -> float:
     """Times that the fastest mode of a body turns round in a sample interval."""
     size = body.order**2
-    first = (RATES if body.cogs is None else COGGED) * size
+    first = (RATES if body.cogs is None else TOOTHED if body.play > 0.0 else COGGED) * size
     a = np.array(body.matrices[first : first + size]).reshape(body.order, body.order)
     return float(np.abs(np.linalg.eigvals(a).imag).max()) / pi

@@ -99,7 +99,6 @@ WHY = {
     **{("unheld", column): "no energy bounds how far motions part" for column in _OF_ONE_START_OR_RANGES},
 }  # fmt: skip
 _BESIDE_COGGING = {
-    "play": "teeth are followed from flank to flank, without corners of another torque",
     "squeeze": "the grip's balance leaves it out",
 }
 _LOOPS = ("general", "laws")

@@ -163,7 +163,7 @@ def _of_cogging(scene: SceneSpec, axes: Axes) -> Faults:
     """What does not go beside cogging."""
     if not (places := given(scene, axes, PARTS["cogging"].path)):
         return []
-    beside = {"squeeze": scene.squeeze is not None, "play": bool(given(scene, axes, PARTS["play"].path))}
+    beside = {"squeeze": scene.squeeze is not None}
     reasons = {part: BESIDE["cogging", part, "general"] for part in beside}
     return [(places[0], f"must be 0 beside {PARTS[part].title}: {reasons[part]}") for part in beside if beside[part]]
 

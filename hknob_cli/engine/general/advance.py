@@ -33,9 +33,12 @@ def next_mode(mode, z, u, body):
 
 
 def rub_many(z, u, span, body, pad):
-    """More states, with friction or play: move ``z`` over a hold from event to event."""
+    """More states, with friction or play, or any beside cogging: move ``z`` over a hold from event to event."""
     if body.play > 0.0:
         play_many(z, u, span, body, pad)
+        return
+    if has_cogs(body.cogs):
+        cog_many(body.cogs, z, u, span, body, pad)
         return
     left = span
     mode = way(z[1], acceleration(z, u, body), body.friction)
@@ -49,10 +52,7 @@ def rub_many(z, u, span, body, pad):
 
 def advance_span(z, u, span, body, pad):
     """Move ``z`` over any time up to a sample period, friction or not."""
-    if has_cogs(body.cogs):
-        cog_many(body.cogs, z, u, span, body, pad)
-        return
-    if body.order > 2:
+    if body.order > 2 or has_cogs(body.cogs):
         rub_many(z, u, span, body, pad)
         return
     s, g, f = coefficients(span, body)
@@ -90,7 +90,7 @@ def rub_columns(z, u, span, s, g, f, body, pad, cols, command, count, width, mar
     (s, g, f): coefficients of second order over ``span``; ``command``: where ``cols`` has the derivatives of ``u``.
     The columns follow the motion through its events (Leine & Nijmeijer 2004, sec. 7). ``marks`` keeps the least
     distance of a torque from the friction level where that decides [0], and of a velocity from zero at the end of a
-    hold [1]; `play_columns` and `cog_columns` have one more.
+    hold [1]; `play_columns` has the room of teeth [2], and beside cogging it and `cog_columns` that of corners [3].
     """
     if body.play > 0.0:
         play_columns(z, u, span, body, pad, cols, command, count, width, marks)

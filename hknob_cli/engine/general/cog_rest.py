@@ -16,6 +16,7 @@ from hknob_cli.engine.general.cogging import (
     slope_at,
 )
 from hknob_cli.engine.general.controller import edge_gap
+from hknob_cli.engine.general.flank_rest import flank_room_on
 from hknob_cli.engine.general.torque_curve import has_curve
 from hknob_cli.engine.rest import AT_REST, MOVING, REST_ON_EDGE, RINGS
 
@@ -56,6 +57,8 @@ def stays_on_slope(z, gap, slack, body, orbit, away):
     if slope_at(z[0], body.cogs) != slope:
         return False, far
     reach = far + slack
+    if body.play > 0.0 and not reach < flank_room_on(body.cogs, body.pad_stiffness * orbit[2], rest, body):
+        return False, far  # where teeth part, the energy of a difference may grow
     return reach < gap and reach < room_on(rest, slope, body.cogs), far
 
 
@@ -81,7 +84,7 @@ def settles_free(cogs, z, u, shown, wrong, push, body, wall, orbit, away):
     stays, far = stays_on_slope(z, gap, slack + push / hold**0.5, body, orbit, away)
     if stays:
         return (AT_REST if body.damped else RINGS), gap
-    if abs(gap) <= slack and far < 1e-6:
+    if abs(gap) <= slack and far < 1e-6 and body.play == 0.0:
         return REST_ON_EDGE, 0.0
     return MOVING, gap
 

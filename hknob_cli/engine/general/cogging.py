@@ -5,10 +5,10 @@ between two of them. So on a slope the motion is linear, and friction's modes ar
 more end of a mode. The torque is continuous there: a derivative goes through a corner as it is. Slopes are numbered,
 the even ones stable; the number follows from the angle, so that cogging needs no memory.
 
-As in `slide_many` a step is halved until it can be shown what becomes of the mode in it. The energy of the rates, with
-the spring of a stable slope, never grows on a stable slope; on an unstable one its root grows by exp(sqrt(slope) t) at
-most. Two motions with the same commands on one slope keep closer than the energy of their difference allows, as long as
-all springs on the knob together hold it (`hold_stiffness`); where one of them comes past a corner, nothing is known.
+The energy of the rates, with the spring of a stable slope, never grows on a stable slope; on an unstable one its root
+grows by exp(sqrt(slope) t) at most. Two motions with the same commands on one slope keep closer than the energy of
+their difference allows, as long as all springs on the knob together hold it (`hold_stiffness`); where one of them comes
+past a corner, nothing is known.
 
 The compiler makes code of its own for scenes without any part of this kind, in which nothing of this is left: cogs that
 are None are known by their type. Beside other such parts they are empty (`search.as_compiled`).
@@ -17,19 +17,8 @@ are None are known by their type. Beside other such parts they are empty (`searc
 from math import sqrt
 
 from hknob_cli.engine.certificate import EPSILON
-from hknob_cli.engine.general.body import (
-    ADDED,
-    ENTRY,
-    HALVES_HELD,
-    HALVINGS,
-    acceleration,
-    distance,
-    norm_at,
-    rate_of,
-    stiffness,
-)
-from hknob_cli.engine.general.slide_many import FINEST, SHORTEST, accept, held_bound, held_slope, stretch
-from hknob_cli.engine.general.teeth import keeps_sign
+from hknob_cli.engine.general.body import ADDED, HALVINGS, distance, norm_at
+from hknob_cli.engine.general.slide_many import keeps_sign
 from hknob_cli.engine.loop import floor
 
 # Numbers of a body's cogs: slope of the torque, as an acceleration by a count; counts from a corner to the next; a
@@ -37,6 +26,10 @@ from hknob_cli.engine.loop import floor
 SLOPE, LENGTH, CENTRE, PEAK, ROOT, SIZE = range(6)
 COGGED = ADDED  # in `Body.matrices`: A on a stable slope and on an unstable one, then D as `HALVES` of both
 COGGED_HALVES = COGGED + 2
+# The same with play: A of teeth that press and of teeth apart, each on both slopes, behind the numbers of a motor that
+# friction holds.
+TOOTHED = ADDED + 2 + 2 * HALVINGS
+TOOTHED_HALVES = TOOTHED + 4
 FREE = 2  # mode of a motion whose turning points do not matter
 STABLE, UNSTABLE = 6, 7  # modes of a piece that is written down, by the sign of the speed
 TURNED, RISEN, FALLEN = 1, 2, 3  # ends: of the way, or of being held; and of a slope, on the way up or down
@@ -94,6 +87,20 @@ def cog_pull(cogs, x):
     return pull_on(x, slope_at(x, cogs), cogs)
 
 
+def slope_of(cogs, x):
+    """As `slope_at`; 0 without cogging."""
+    if cogs is None or not len(cogs):
+        return 0.0
+    return slope_at(x, cogs)
+
+
+def slope_pull(cogs, x, slope):
+    """As `pull_on`; 0 without cogging."""
+    if cogs is None or not len(cogs):
+        return 0.0
+    return pull_on(x, slope, cogs)
+
+
 def cog_number(cogs, which):
     """One of the numbers of cogs; 0 without any."""
     if cogs is None or not len(cogs):
@@ -104,6 +111,13 @@ def cog_number(cogs, which):
 def room_on(x, slope, cogs):
     """How far a position on a slope is from the nearer corner."""
     return 0.5 * cogs[LENGTH] - abs(x - middle_of(slope, cogs))
+
+
+def cog_room(cogs, x, slope):
+    """As `room_on`; inf without cogging."""
+    if cogs is None or not len(cogs):
+        return float("inf")
+    return room_on(x, slope, cogs)
 
 
 def own_stiffness(body):
@@ -163,128 +177,40 @@ def gap_apart(cogs, dz, body):
     return (norm_at(dz, 0, body) + cogs[ROOT] * abs(dz[0])) / sqrt(own_stiffness(body) + cogs[SLOPE])
 
 
-def cog_acceleration(z, u, slope, body):
-    """Acceleration of the knob without friction."""
-    return acceleration(z, u, body) + pull_on(z[0], slope, body.cogs)
+def least_share(cogs, slope, h):
+    """What part the root of the energy of rates is now, at least, of what it grows to on a slope within ``h``.
 
-
-def cog_rate(z, u, slope, mode, body, out):
-    """As `body.rate_of`, on a slope."""
-    rate_of(z, u, mode, body, out)
-    if mode != 0:
-        pull = pull_on(z[0], slope, body.cogs)
-        for i in range(body.order):
-            out[i] += body.vectors[ENTRY * body.order + i] * pull
-
-
-def held_told(z, u, pad, slope, h, body):
-    """Whether it can be told what becomes of a knob that friction holds within ``h``: nothing, or a release, once."""
-    rate = held_slope(pad, body)
-    bound = held_bound(pad, body)
-    value = body.friction - abs(cog_acceleration(z, u, slope, body))
-    return bound == 0.0 or keeps_sign(value, -abs(rate), bound, h) or abs(rate) > bound * h
-
-
-def told(z, u, pad, slope, mode, h, size, body):
-    """Whether at most one thing happens within ``h``, and once: a corner is passed, or the mode ends.
-
-    ``pad`` has the rates in its first half; ``size`` bounds the root of their energy now.
+    It is 1 on a stable slope, and without cogging; 0 where it is not bounded.
     """
-    if mode == 0:
-        return held_told(z, u, pad, slope, h, body)
-    if size == 0.0:
-        return True  # nothing moves
-    root = body.cogs[ROOT]
-    pace = size
-    if not is_stable(slope):
-        if root * h > 0.5:
-            return False
-        pace /= 1.0 - root * h
-    away = z[0] - middle_of(slope, body.cogs)
-    speed = pad[0]
+    if cogs is None or not len(cogs) or is_stable(slope):
+        return 1.0
+    grown = cogs[ROOT] * h
+    return 1.0 - grown if grown <= 0.5 else 0.0
+
+
+def corner_told(cogs, x, speed, pace, slope, mode, h):
+    """Whether a motion in ``mode`` reaches no corner of a slope within ``h``, or passes one, once.
+
+    ``pace`` bounds the acceleration.
+    """
+    if cogs is None or not len(cogs):
+        return True
+    away = x - middle_of(slope, cogs)
     passes = abs(speed) > pace * h
     for side in (1, -1):
         ahead = mode in (FREE, side)
-        if ahead and not passes and not keeps_sign(0.5 * body.cogs[LENGTH] - side * away, -side * speed, pace, h):
+        if ahead and not passes and not keeps_sign(0.5 * cogs[LENGTH] - side * away, -side * speed, pace, h):
             return False
-    if mode == FREE:
-        return True
-    bend = pace * (stiffness(body) + root)
-    if body.lag > 0.0:
-        bend += abs(pad[body.order - 1])
-    rate = pad[1] * mode
-    return keeps_sign(z[1] * mode, rate, bend, h) or abs(rate) > bend * h
+    return True
 
 
-def over(pad, u, slope, mode, body):
-    """Which end the state in the second half of ``pad`` is past; 0 of none."""
-    n = body.order
-    x, v = pad[n], pad[n + 1]
-    if mode == 0:
-        total = body.drive + pull_on(x, slope, body.cogs)
-        for j in range(n):
-            total += body.matrices[n + j] * pad[n + j]
-        if body.lag == 0.0:
-            total += u
-        return TURNED if abs(total) > body.friction else 0
-    if mode != FREE and v * mode < 0.0:
-        return TURNED
-    away = x - middle_of(slope, body.cogs)
-    if not abs(away) > 0.5 * body.cogs[LENGTH]:
+def corner_passed(cogs, x, v, slope):
+    """Which corner of a slope a motion has passed, `RISEN` or `FALLEN`; 0 of none."""
+    if cogs is None or not len(cogs):
+        return 0
+    away = x - middle_of(slope, cogs)
+    if not abs(away) > 0.5 * cogs[LENGTH]:
         return 0
     if away > 0.0:
         return RISEN if v > 0.0 else 0
     return FALLEN if v < 0.0 else 0
-
-
-def roll(z, u, slope, mode, left, fresh, body, pad):
-    """Move ``z`` on one slope in one ``mode`` until either ends or ``left`` is over: ``(time, end)``.
-
-    ``fresh``: whether it begins where another has ended: what is then too near to be told is taken after 2^-20 of a
-    sample. An end is left past it, by the last bit of a sample period.
-    """
-    n = body.order
-    total, half = 0.0, 0
-    left = floor(left * FINEST) / FINEST
-    table = HALVES_HELD
-    if mode != 0:
-        table = COGGED_HALVES if is_stable(slope) else COGGED_HALVES + HALVINGS
-    root = body.cogs[ROOT]
-    while left > 0.0 and not body.halt[0] > 0.0:
-        h = 0.5**half
-        while h > left:
-            half += 1
-            h *= 0.5
-        cog_rate(z, u, slope, mode, body, pad)
-        size = norm_at(pad, 0, body) + root * abs(pad[0])
-        deepest = SHORTEST if fresh else HALVINGS - 1
-        clear = told(z, u, pad, slope, mode, h, size, body)
-        while not clear and half < deepest:
-            half += 1
-            h *= 0.5
-            clear = told(z, u, pad, slope, mode, h, size, body)
-        stretch(z, pad, table + half, body)
-        ended = over(pad, u, slope, mode, body)
-        if ended > 0 and (clear or not fresh):
-            for deeper in range(half + 1, HALVINGS):
-                cog_rate(z, u, slope, mode, body, pad)
-                stretch(z, pad, table + deeper, body)
-                sooner = over(pad, u, slope, mode, body)
-                if sooner > 0:
-                    ended = sooner
-                else:
-                    accept(z, pad, n)
-                    total += 0.5**deeper
-            cog_rate(z, u, slope, mode, body, pad)
-            stretch(z, pad, table + HALVINGS - 1, body)
-            accept(z, pad, n)
-            return total + 0.5 ** (HALVINGS - 1), ended
-        accept(z, pad, n)
-        total += h
-        left -= h
-        fresh = False
-        if ended > 0:
-            return total, ended
-        if half > 0:
-            half -= 1
-    return total, 0

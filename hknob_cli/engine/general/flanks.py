@@ -1,23 +1,42 @@
 """Motion from flank to flank: mode after mode of teeth with play, with its derivative, and written down.
 
 A difference of two motions keeps its direction where teeth part; where they meet, the rates jump by -c o' in the mesh,
-and the difference by -c times its own part in d, however fast they meet (Leine & Nijmeijer 2004, sec. 7).
+and the difference by -c times its own part in d, however fast they meet (Leine & Nijmeijer 2004, sec. 7). It goes
+through a corner of cogging as it is, because the torque has no jump there.
 """
 
-from hknob_cli.engine.general.body import HALVINGS, STUCK, STUCK_HALVES
+from hknob_cli.engine.general.body import STUCK
+from hknob_cli.engine.general.cogging import (
+    FALLEN,
+    RISEN,
+    TOOTHED,
+    TURNED,
+    cog_room,
+    far_apart,
+    has_cogs,
+    is_stable,
+    slope_of,
+)
 from hknob_cli.engine.general.columns import spread_by, spread_many, turn_round
+from hknob_cli.engine.general.flank_rest import flank_room_on
 from hknob_cli.engine.general.teeth import (
     APART,
     BACK,
+    ON_STABLE,
+    ON_UNSTABLE,
     SPRUNG,
     STUCK_APART,
     STUCK_BACK,
-    TURNED,
     direction,
     flank,
+    halves_of,
     press,
+    pressing,
     teeth_pull,
+    teeth_rate,
 )
+
+STILL = 1e-11  # counts, relative: what moves by less has settled, and meets a velocity of 0 at every rounding
 
 
 def next_flank(z, side, body):
@@ -27,35 +46,62 @@ def next_flank(z, side, body):
     return 1 if z[2] > -0.5 * body.play else -1
 
 
-def pass_end(z, u, side, toward, end, body):
-    """Flank, and direction, after a mode has ended at ``z``, whose speed is 0 where it has turned round."""
+def pass_end(z, u, side, toward, end, body, slope=0.0):
+    """Flank, and direction, after a mode has ended at ``z``, whose speed is 0 where it has turned round.
+
+    Not of an end at a corner of cogging: see `pass_any_end`.
+    """
     if body.friction == 0.0:
         if toward != 0 and (end == TURNED or z[1] * toward < 0.0):
             z[1] = 0.0
         else:
             side = next_flank(z, side, body)
-        return side, 0 if toward == 0 else direction(z, u, side, body)
+        return side, 0 if toward == 0 else direction(z, u, side, body, slope)
     if end == SPRUNG:
         side = next_flank(z, side, body)
     elif toward == 0:  # released, though rounding may say otherwise
-        return side, 1 if teeth_pull(z, 0, u, side, body) > 0.0 else -1
+        return side, 1 if teeth_pull(z, 0, u, side, body, slope) > 0.0 else -1
     else:
         z[1] = 0.0
-    return side, direction(z, u, side, body)
+    return side, direction(z, u, side, body, slope)
+
+
+def pass_any_end(z, u, side, toward, slope, end, body):
+    """As `pass_end`, of corners of cogging, too: flank, direction, and slope."""
+    if has_cogs(body.cogs):
+        if end == RISEN:
+            return side, toward, slope + 1.0
+        if end == FALLEN:
+            return side, toward, slope - 1.0
+    side, toward = pass_end(z, u, side, toward, end, body, slope)
+    return side, toward, slope
+
+
+def still_in_teeth(z, u, side, slope, span, body, pad):
+    """How far a motion moves at most over ``span`` where no teeth part and no corner is passed; inf of another.
+
+    Only without friction. Its rates are a motion without a torque, whose energy never grows.
+    """
+    if body.friction > 0.0 or side == 0:
+        return float("inf")
+    teeth_rate(z, u, side, 0, body, pad, slope)
+    moved = far_apart(body.cogs, pad, z[0], body) * span
+    stays = moved < flank_room_on(body.cogs, pressing(z, 0, side, body), z[0], body)
+    return moved if stays and moved < cog_room(body.cogs, z[0], slope) else float("inf")
 
 
 def play_many(z, u, span, body, pad):
     """Move ``z`` over any time up to a sample period from flank to flank."""
     left = span
-    side = flank(z, body)
-    toward = direction(z, u, side, body) if body.friction > 0.0 else 0
+    side, slope = flank(z, body), slope_of(body.cogs, z[0])
+    toward = direction(z, u, side, body, slope) if body.friction > 0.0 else 0
     fresh = toward != 0 and z[1] == 0.0
     while left > 0.0:
-        t, ended, _ = press(z, u, side, toward, left, fresh, body, pad)
+        t, ended, _ = press(z, u, side, toward, left, fresh, body, pad, slope)
         left -= t
         if ended == 0:
             break
-        side, toward = pass_end(z, u, side, toward, ended, body)
+        side, toward, slope = pass_any_end(z, u, side, toward, slope, ended, body)
         fresh = True
 
 
@@ -69,11 +115,11 @@ def meet(z, side, cols, count, width, body):
         cols[c * width + 3] -= (1.0 + body.ratio) * jump
 
 
-def meet_with_friction(z, u, side, before, toward, cols, count, width, body):
+def meet_with_friction(z, u, side, before, toward, cols, count, width, body, slope=0.0):
     """As `meet`, of a motor that friction holds before or after; ``before``, ``toward``: its direction."""
     if not side * z[3] > 0.0:
         return
-    pull = 0.0 if toward == 0 else (teeth_pull(z, 0, u, side, body) - toward * body.friction) / z[3]
+    pull = 0.0 if toward == 0 else (teeth_pull(z, 0, u, side, body, slope) - toward * body.friction) / z[3]
     for c in range(count):
         jump = body.pad_damping * cols[c * width + 2]
         own = -jump if before != 0 else pull * cols[c * width + 2]
@@ -81,12 +127,14 @@ def meet_with_friction(z, u, side, before, toward, cols, count, width, body):
         cols[c * width + 3] += own - body.ratio * jump
 
 
-def spread_teeth(cols, command, count, width, span, side, toward, body, pad):
+def spread_teeth(cols, command, count, width, span, side, toward, body, pad, slope=0.0):
     """Move the columns over ``span`` in one mode."""
+    halves, apart = halves_of(side, toward, slope, body), 1 if side == 0 else 0
     if toward == 0 and body.friction > 0.0:
-        apart = 1 if side == 0 else 0
-        halves = STUCK_HALVES + apart * HALVINGS
         spread_by(cols, command, count, width, span, STUCK + apart, halves, False, body, pad)
+    elif has_cogs(body.cogs):
+        matrix = TOOTHED + 2 * apart + (0 if is_stable(slope) else 1)
+        spread_by(cols, command, count, width, span, matrix, halves, True, body, pad)
     else:
         spread_many(cols, command, count, width, span, side, body, pad)
 
@@ -94,35 +142,47 @@ def spread_teeth(cols, command, count, width, span, side, toward, body, pad):
 def play_columns(z, u, span, body, pad, cols, command, count, width, marks):
     """As `advance.rub_columns`, from flank to flank, with its ``marks``.
 
-    ``marks[2]`` keeps the least torque of the mesh; below 0 where teeth have parted.
+    ``marks[2]`` keeps the least torque of the mesh; below 0 where teeth have parted. ``marks[3]``, beside cogging:
+    below 0 where a corner is passed, else the least distance to one.
     """
     left = span
-    side = flank(z, body)
+    side, slope = flank(z, body), slope_of(body.cogs, z[0])
     rubs = body.friction > 0.0
-    toward = direction(z, u, side, body) if rubs else 0
+    toward = direction(z, u, side, body, slope) if rubs else 0
+    if has_cogs(body.cogs):
+        moved = still_in_teeth(z, u, side, slope, span, body, pad)
+        still = moved <= STILL * (1.0 + abs(z[0]))
+        marks[3] = min(marks[3], cog_room(body.cogs, z[0], slope) - (moved if still else 0.0))
+        if not rubs and not still:
+            toward = direction(z, u, side, body, slope)
     fresh = toward != 0 and z[1] == 0.0
     if rubs and z[1] == 0.0:
-        marks[0] = min(marks[0], abs(abs(teeth_pull(z, 0, u, side, body)) - body.friction))
+        marks[0] = min(marks[0], abs(abs(teeth_pull(z, 0, u, side, body, slope)) - body.friction))
     while left > 0.0:
-        t, ended, least = press(z, u, side, toward, left, fresh, body, pad)
-        spread_teeth(cols, command, count, width, t, side, toward, body, pad)
+        t, ended, least = press(z, u, side, toward, left, fresh, body, pad, slope)
+        spread_teeth(cols, command, count, width, t, side, toward, body, pad, slope)
         marks[2] = min(marks[2], least if side != 0 else -1.0)
         left -= t
+        # On its way the motor is nearest to a corner where it turns round, or where the way ends.
+        marks[3] = min(marks[3], cog_room(body.cogs, z[0], slope))
         if ended == 0:
             break
         before, ago = toward, side
-        side, toward = pass_end(z, u, side, toward, ended, body)
+        side, toward, slope = pass_any_end(z, u, side, toward, slope, ended, body)
         fresh = True
+        if ended in (RISEN, FALLEN):
+            marks[3] = -1.0
+            continue
         if not rubs:
-            if side != 0:
+            if side not in (0, ago):
                 meet(z, side, cols, count, width, body)
             continue
-        pull = teeth_pull(z, 0, u, side, body)
+        pull = teeth_pull(z, 0, u, side, body, slope)
         if z[1] == 0.0 and (before != 0 or side != ago):
             marks[0] = min(marks[0], abs(abs(pull) - body.friction))
         if side != ago:
             if side != 0:
-                meet_with_friction(z, u, side, before, toward, cols, count, width, body)
+                meet_with_friction(z, u, side, before, toward, cols, count, width, body, slope)
         elif before != 0:
             rate = pull - before * body.friction
             after = 0.0 if toward == 0 else pull - toward * body.friction
@@ -132,11 +192,14 @@ def play_columns(z, u, span, body, pad, cols, command, count, width, marks):
         marks[1] = min(marks[1], abs(z[1]))
 
 
-def kind_of(side, toward, body):
+def kind_of(side, toward, body, slope=0.0):
     """Mode of a piece that is written down."""
     if toward == 0 and body.friction > 0.0:
         return 0 if side > 0 else (STUCK_APART if side == 0 else STUCK_BACK)
-    return toward * (1 if side > 0 else (APART if side == 0 else BACK))
+    kind = 1 if side > 0 else (APART if side == 0 else BACK)
+    if has_cogs(body.cogs):
+        kind += ON_STABLE if is_stable(slope) else ON_UNSTABLE
+    return toward * kind
 
 
 def play_chart(z, u, span, body, pad, rows, pieces):
@@ -146,21 +209,21 @@ def play_chart(z, u, span, body, pad, rows, pieces):
     """
     n = body.order
     left = span
-    side = flank(z, body)
-    toward = direction(z, u, side, body)
+    side, slope = flank(z, body), slope_of(body.cogs, z[0])
+    toward = direction(z, u, side, body, slope)
     fresh = body.friction > 0.0 and toward != 0 and z[1] == 0.0
     while left > 0.0 and rows < len(pieces.spans):
         for j in range(n):
             pieces.states[rows * n + j] = z[j]
-        t, ended, _ = press(z, u, side, toward, left, fresh, body, pad)
+        t, ended, _ = press(z, u, side, toward, left, fresh, body, pad, slope)
         left -= t
         if t > 0.0:
             pieces.spans[rows], pieces.commands[rows] = t, u
-            pieces.modes[rows] = kind_of(side, toward, body)
+            pieces.modes[rows] = kind_of(side, toward, body, slope)
             rows += 1
         if ended == 0:
             break
-        side, toward = pass_end(z, u, side, toward, ended, body)
+        side, toward, slope = pass_any_end(z, u, side, toward, slope, ended, body)
         fresh = True
     for j in range(n):
         pieces.states[rows * n + j] = z[j]

@@ -7,12 +7,12 @@ the count is taken at each of its turning points, which are exact.
 
 from hknob_cli.engine.general.advance import FREE, advance_hold, next_mode, slide
 from hknob_cli.engine.general.body import HALVES, HALVINGS, acceleration, distance, rate_of
-from hknob_cli.engine.general.cogging import TURNED, has_cogs, roll, slope_at
+from hknob_cli.engine.general.cogging import TURNED, has_cogs, slope_at, slope_of
 from hknob_cli.engine.general.controller import edge_gap, read_after
-from hknob_cli.engine.general.flanks import pass_end, play_many
+from hknob_cli.engine.general.flanks import STILL, pass_any_end, play_many, still_in_teeth
 from hknob_cli.engine.general.slide_two import way
-from hknob_cli.engine.general.slopes import STILL, cog_many, pass_on, settled, way_from
-from hknob_cli.engine.general.teeth import direction, flank, flank_room, press, pressing, teeth_rate
+from hknob_cli.engine.general.slopes import cog_many, pass_on, roll, settled, way_from
+from hknob_cli.engine.general.teeth import direction, flank, press
 
 
 def way_at_most(z, u, span, body, pad):
@@ -37,33 +37,24 @@ def pass_still(z, u, span, body, pad):
         h *= 0.5
 
 
-def still_in_teeth(z, u, side, span, body, pad):
-    """As `way_at_most` with play, where no teeth can part over ``span``; inf of another motion."""
-    if body.friction > 0.0 or side == 0:
-        return float("inf")
-    teeth_rate(z, u, side, 0, body, pad)
-    moved = distance(pad, body) * span
-    return moved if moved < flank_room(pressing(z, 0, side, body), body) else float("inf")
-
-
 def turn_teeth(z, u, span, shown, body, wall, pad):
     """As `turn_and_count`, from flank to flank."""
     left, margin = span, float("inf")
-    side = flank(z, body)
-    moved = still_in_teeth(z, u, side, span, body, pad)
+    side, slope = flank(z, body), slope_of(body.cogs, z[0])
+    moved = still_in_teeth(z, u, side, slope, span, body, pad)
     if moved <= STILL * (1.0 + abs(z[0])):
         margin = edge_gap(z[0], shown, shown, wall) - moved
         play_many(z, u, span, body, pad)
         return shown, margin
-    toward = direction(z, u, side, body)
+    toward = direction(z, u, side, body, slope)
     fresh = body.friction > 0.0 and toward != 0 and z[1] == 0.0
     while left > 0.0:
-        t, ended, _ = press(z, u, side, toward, left, fresh, body, pad)
+        t, ended, _ = press(z, u, side, toward, left, fresh, body, pad, slope)
         left -= t
         if ended == 0:
             break
         ago = toward
-        side, toward = pass_end(z, u, side, toward, ended, body)
+        side, toward, slope = pass_any_end(z, u, side, toward, slope, ended, body)
         fresh = True
         if ago != 0 and toward != ago:
             before = shown

@@ -17,9 +17,9 @@ from math import sqrt
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import distance
 from hknob_cli.engine.general.controller import bends, command, edge_gap, follows, slopes
+from hknob_cli.engine.general.flank_rest import flank_room
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.slide_two import step_with_friction
-from hknob_cli.engine.general.teeth import flank_room
 from hknob_cli.engine.general.torque_curve import has_curve, rounded_size
 from hknob_cli.engine.propagator import hold_coefficients
 

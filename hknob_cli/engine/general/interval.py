@@ -8,7 +8,6 @@ from hknob_cli.engine.general.controller import command, read_after
 from hknob_cli.engine.general.hysteresis import hold_and_count, turn_and_count
 from hknob_cli.engine.general.jitter import jitters, next_span
 from hknob_cli.engine.general.slide_two import step_with_friction
-from hknob_cli.engine.general.slopes import cog_many
 
 
 def hold(z, u, ring, head, body, wall, pad):
@@ -20,11 +19,7 @@ def hold(z, u, ring, head, body, wall, pad):
         ring[head] = u
         head = (head + 1) % delay
         u = ring[head]
-    if has_cogs(body.cogs):
-        if wall.split > 0.0:
-            cog_many(body.cogs, z, older, wall.split, body, pad)
-        cog_many(body.cogs, z, u, 1.0 - wall.split, body, pad)
-    elif body.order == 2:
+    if body.order == 2 and not has_cogs(body.cogs):
         x, v = z[0], z[1]
         if body.friction > 0.0:
             if wall.split > 0.0:
@@ -37,7 +32,7 @@ def hold(z, u, ring, head, body, wall, pad):
             y = u + body.drive - body.beta * x
             x, v = x + (body.s2 * v + body.g2 * y), body.f2 * v + body.s2 * y
         z[0], z[1] = x, v
-    elif body.friction > 0.0 or body.play > 0.0:
+    elif body.friction > 0.0 or body.play > 0.0 or has_cogs(body.cogs):
         if wall.split > 0.0:
             rub_many(z, older, wall.split, body, pad)
         rub_many(z, u, 1.0 - wall.split, body, pad)

@@ -27,10 +27,10 @@ from hknob_cli.engine.general.controller import (
     read_after,
     table_size,
 )
+from hknob_cli.engine.general.flank_rest import flank_room_on
 from hknob_cli.engine.general.hysteresis import hold_and_count
 from hknob_cli.engine.general.interval import advance_columns
 from hknob_cli.engine.general.powers import bound_growth, dissipates, growth_bound, invert
-from hknob_cli.engine.general.teeth import flank_room
 from hknob_cli.engine.general.torque_curve import has_curve
 
 AT_EVENT = 5  # a standstill of the motion could, within rounding, go another way
@@ -48,7 +48,7 @@ class Space(NamedTuple):
     width: int
     pad: Any  # (2 * order), rates and new states
     cols: Any  # (width * (width + 2)), columns of derivatives, and those of the commands
-    marks: Any  # (3)
+    marks: Any  # (4)
     matrix: Any  # (2 * width * width)
     power: Any  # (width * width)
     total: Any  # (width * width)
@@ -95,7 +95,7 @@ def turn(before, ring, head, period, body, wall, space, m):
     """
     n, width = body.order, space.width
     begin_period(ring, body, space, m)
-    for i in range(3):
+    for i in range(4):
         space.marks[i] = float("inf")
     margin, edge = float("inf"), float("inf")
     reach, pace = cog_number(body.cogs, SIZE), 0.0
@@ -152,7 +152,8 @@ def far_between_samples(body, space, m):
 
 def room_left(body, space):
     """How far apart motions may be until teeth part, or a corner of cogging is passed, anywhere in the period."""
-    return flank_room(space.marks[2], body) if body.play > 0.0 else space.marks[2]
+    room = flank_room_on(body.cogs, space.marks[2], space.orbit[0], body) if body.play > 0.0 else float("inf")
+    return min(room, space.marks[3]) if has_cogs(body.cogs) else room
 
 
 def within(before, ring, head, period, body, wall, space, m):
@@ -281,14 +282,14 @@ def certify(z, before, ring, head, period, body, wall, space):
             return AT_EVENT, margin, edge, closure, bound
     parts = False
     if body.play > 0.0:
-        room = flank_room(space.marks[2], body)
+        room = flank_room_on(body.cogs, space.marks[2], space.orbit[0], body)
         parts = not room > bound
         if not parts:
             margin = min(margin, room)
     if has_cogs(body.cogs):
-        parts = not (space.marks[2] > bound and far < float("inf"))
+        parts = parts or not (space.marks[3] > bound and far < float("inf"))
         if not parts:
-            margin = min(margin, space.marks[2])
+            margin = min(margin, space.marks[3])
     if not margin > bound:
         return ON_EDGE, margin, edge, closure, bound
     if not dissipates(space.cols, width, space.power, space.spare, m, scale, period):

@@ -77,7 +77,7 @@ def make_space(order: int, delay: int, zeros: Callable[[int], Any]) -> Space:
         width=width,
         pad=zeros(2 * order),
         cols=zeros(width * (width + 2)),
-        marks=zeros(3),
+        marks=zeros(4),
         matrix=zeros(2 * width * width),
         power=zeros(width * width),
         total=zeros(width * width),
@@ -223,7 +223,7 @@ class GeneralEngine(Runner):
                 [float(value) for value in trial.lines[row * delay_line : (row + 1) * delay_line]],
                 why,
                 Reason.RACES if races and abs(trial.states[row * n]) < far else grew,
-                parts=Reason.PARTS if body.cogs is None else Reason.COGS,
+                parts=_why_parts(body),
                 keep=body.play > 0.0 or body.cogs is not None or jittering,
             )
             for row in range(rows)
@@ -263,6 +263,13 @@ class GeneralEngine(Runner):
                 return PeriodSegments(spans, modes, commands, table)
             capacity *= 16
         return None
+
+
+def _why_parts(body: Body) -> Reason:
+    """Why a cycle is not proven whose motion is not that of one flank, or slope."""
+    if body.cogs is None:
+        return Reason.PARTS
+    return Reason.PARTS_OR_COGS if body.play > 0.0 else Reason.COGS
 
 
 def attractor_of(

@@ -35,6 +35,11 @@ def stretch(z, pad, matrix, body):
         pad[n + i] = z[i] + total
 
 
+def keeps_sign(value, slope, bound, h):
+    """Whether a value stays above 0 over ``h``: ``slope`` is its rate now, ``bound`` is on its second derivative."""
+    return value + min(slope, 0.0) * h - 0.5 * bound * h * h > 0.0
+
+
 def sliding_bound(rate, at, body):
     """Bound on the second derivative of the velocity from here on, by the energy of the rates; these begin at ``at``.
 

@@ -1,30 +1,166 @@
 """Motion from slope to slope of cogging: mode after mode, with its derivative, and written down.
 
-The torque has no jump at a corner, so that a difference of two motions goes through it as it is.
+As in `slide_many` a step is halved until it can be shown what becomes of the mode in it. The torque has no jump at a
+corner, so that a difference of two motions goes through it as it is.
 """
 
-from hknob_cli.engine.general.body import HALVES_HELD, HALVINGS, HELD
+from hknob_cli.engine.general.body import (
+    ENTRY,
+    HALVES_HELD,
+    HALVINGS,
+    HELD,
+    acceleration,
+    norm_at,
+    rate_of,
+    stiffness,
+)
 from hknob_cli.engine.general.cogging import (
     COGGED,
     COGGED_HALVES,
     FALLEN,
     FREE,
     RISEN,
+    ROOT,
     STABLE,
     TURNED,
     UNSTABLE,
-    cog_acceleration,
-    cog_rate,
+    corner_passed,
+    corner_told,
     far_apart,
     is_stable,
-    roll,
+    least_share,
+    pull_on,
     room_on,
     slope_at,
 )
 from hknob_cli.engine.general.columns import spread_by, turn_round
+from hknob_cli.engine.general.flanks import STILL
+from hknob_cli.engine.general.slide_many import (
+    FINEST,
+    SHORTEST,
+    accept,
+    held_bound,
+    held_slope,
+    keeps_sign,
+    stretch,
+)
 from hknob_cli.engine.general.slide_two import way
+from hknob_cli.engine.loop import floor
 
-STILL = 1e-11  # counts, relative: what moves by less has settled, and meets a velocity of 0 at every rounding
+
+def cog_acceleration(z, u, slope, body):
+    """Acceleration of the knob without friction."""
+    return acceleration(z, u, body) + pull_on(z[0], slope, body.cogs)
+
+
+def cog_rate(z, u, slope, mode, body, out):
+    """As `body.rate_of`, on a slope."""
+    rate_of(z, u, mode, body, out)
+    if mode != 0:
+        pull = pull_on(z[0], slope, body.cogs)
+        for i in range(body.order):
+            out[i] += body.vectors[ENTRY * body.order + i] * pull
+
+
+def held_told(z, u, pad, slope, h, body):
+    """Whether it can be told what becomes of a knob that friction holds within ``h``: nothing, or a release, once."""
+    rate = held_slope(pad, body)
+    bound = held_bound(pad, body)
+    value = body.friction - abs(cog_acceleration(z, u, slope, body))
+    return bound == 0.0 or keeps_sign(value, -abs(rate), bound, h) or abs(rate) > bound * h
+
+
+def told(z, u, pad, slope, mode, h, size, body):
+    """Whether at most one thing happens within ``h``, and once: a corner is passed, or the mode ends.
+
+    ``pad`` has the rates in its first half; ``size`` bounds the root of their energy now.
+    """
+    if mode == 0:
+        return held_told(z, u, pad, slope, h, body)
+    if size == 0.0:
+        return True  # nothing moves
+    share = least_share(body.cogs, slope, h)
+    if share == 0.0:
+        return False
+    pace = size / share
+    if not corner_told(body.cogs, z[0], pad[0], pace, slope, mode, h):
+        return False
+    if mode == FREE:
+        return True
+    bend = pace * (stiffness(body) + body.cogs[ROOT])
+    if body.lag > 0.0:
+        bend += abs(pad[body.order - 1])
+    rate = pad[1] * mode
+    return keeps_sign(z[1] * mode, rate, bend, h) or abs(rate) > bend * h
+
+
+def over(pad, u, slope, mode, body):
+    """Which end the state in the second half of ``pad`` is past; 0 of none."""
+    n = body.order
+    x, v = pad[n], pad[n + 1]
+    if mode == 0:
+        total = body.drive + pull_on(x, slope, body.cogs)
+        for j in range(n):
+            total += body.matrices[n + j] * pad[n + j]
+        if body.lag == 0.0:
+            total += u
+        return TURNED if abs(total) > body.friction else 0
+    if mode != FREE and v * mode < 0.0:
+        return TURNED
+    return corner_passed(body.cogs, x, v, slope)
+
+
+def roll(z, u, slope, mode, left, fresh, body, pad):
+    """Move ``z`` on one slope in one ``mode`` until either ends or ``left`` is over: ``(time, end)``.
+
+    ``fresh``: whether it begins where another has ended: what is then too near to be told is taken after 2^-20 of a
+    sample. An end is left past it, by the last bit of a sample period.
+    """
+    n = body.order
+    total, half = 0.0, 0
+    left = floor(left * FINEST) / FINEST
+    table = HALVES_HELD
+    if mode != 0:
+        table = COGGED_HALVES if is_stable(slope) else COGGED_HALVES + HALVINGS
+    root = body.cogs[ROOT]
+    while left > 0.0 and not body.halt[0] > 0.0:
+        h = 0.5**half
+        while h > left:
+            half += 1
+            h *= 0.5
+        cog_rate(z, u, slope, mode, body, pad)
+        size = norm_at(pad, 0, body) + root * abs(pad[0])
+        deepest = SHORTEST if fresh else HALVINGS - 1
+        clear = told(z, u, pad, slope, mode, h, size, body)
+        while not clear and half < deepest:
+            half += 1
+            h *= 0.5
+            clear = told(z, u, pad, slope, mode, h, size, body)
+        stretch(z, pad, table + half, body)
+        ended = over(pad, u, slope, mode, body)
+        if ended > 0 and (clear or not fresh):
+            for deeper in range(half + 1, HALVINGS):
+                cog_rate(z, u, slope, mode, body, pad)
+                stretch(z, pad, table + deeper, body)
+                sooner = over(pad, u, slope, mode, body)
+                if sooner > 0:
+                    ended = sooner
+                else:
+                    accept(z, pad, n)
+                    total += 0.5**deeper
+            cog_rate(z, u, slope, mode, body, pad)
+            stretch(z, pad, table + HALVINGS - 1, body)
+            accept(z, pad, n)
+            return total + 0.5 ** (HALVINGS - 1), ended
+        accept(z, pad, n)
+        total += h
+        left -= h
+        fresh = False
+        if ended > 0:
+            return total, ended
+        if half > 0:
+            half -= 1
+    return total, 0
 
 
 def way_from(z, u, slope, body):
@@ -87,7 +223,7 @@ def spread_cogs(cols, command, count, width, span, slope, mode, body, pad):
 def cog_columns(cogs, z, u, span, body, pad, cols, command, count, width, marks):
     """As `advance.rub_columns`, from corner to corner, with its ``marks``.
 
-    ``marks[2]`` keeps the least distance to a corner; below 0 where one is passed.
+    ``marks[3]`` keeps the least distance to a corner; below 0 where one is passed.
     """
     if cogs is None or not len(cogs):
         return
@@ -101,13 +237,13 @@ def cog_columns(cogs, z, u, span, body, pad, cols, command, count, width, marks)
     fresh = mode != 0 and z[1] == 0.0
     if rubs and z[1] == 0.0:
         marks[0] = min(marks[0], abs(abs(cog_acceleration(z, u, slope, body)) - body.friction))
-    marks[2] = min(marks[2], room_on(z[0], slope, cogs) - (moved if still else 0.0))
+    marks[3] = min(marks[3], room_on(z[0], slope, cogs) - (moved if still else 0.0))
     while left > 0.0:
         t, end = roll(z, u, slope, mode, left, fresh, body, pad)
         spread_cogs(cols, command, count, width, t, slope, mode, body, pad)
         left -= t
         # On its way a knob is nearest to a corner where it turns round, or where the way ends.
-        marks[2] = min(marks[2], -1.0 if end > TURNED else room_on(z[0], slope, cogs))
+        marks[3] = min(marks[3], -1.0 if end > TURNED else room_on(z[0], slope, cogs))
         if end == 0:
             break
         before = mode

@@ -7,6 +7,7 @@ from hknob_cli.engine.general.body import acceleration, coil_at, distance
 from hknob_cli.engine.general.cog_rest import keeps_to_slope, settles_free
 from hknob_cli.engine.general.cogging import PEAK, cog_number, cog_pull, has_cogs
 from hknob_cli.engine.general.controller import command, edge_gap, follows, goes_on
+from hknob_cli.engine.general.flank_rest import flank_room, held_in_teeth
 from hknob_cli.engine.general.inner_region import (
     ROUNDINGS,
     come_to_rest,
@@ -15,7 +16,6 @@ from hknob_cli.engine.general.inner_region import (
     keeps_reading,
 )
 from hknob_cli.engine.general.jitter import jitters
-from hknob_cli.engine.general.teeth import flank_room, held_in_teeth
 from hknob_cli.engine.general.torque_curve import has_curve
 from hknob_cli.engine.general.torque_table import is_there
 from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, REST_ON_EDGE, RINGS
@@ -35,9 +35,9 @@ def stays_held(z, u, body):
     """Whether friction holds the knob for ever, and the finger and the lag settle behind it."""
     if z[1] != 0.0:
         return False
-    if body.play > 0.0:
-        return held_in_teeth(z, u, body)
     cogged = cog_pull(body.cogs, z[0])
+    if body.play > 0.0:
+        return held_in_teeth(z, u, body, cogged)
     if body.order == 2:
         return abs(acceleration(z, u, body) + cogged) <= body.friction
     late = abs(z[body.order - 1] - u) if body.lag > 0.0 else 0.0

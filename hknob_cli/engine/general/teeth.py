@@ -8,14 +8,14 @@ of o, or of the torque. As in `slide_many` a step is halved until each can be sh
 monotone: second derivatives are bounded by the energy of the rates, which never grows within a mode.
 
 With friction the motor slides, one way or the other, or is held: each flank has three modes. What ends one is a zero of
-the motor's speed, or of what friction lacks to hold it, beside those of the teeth.
+the motor's speed, or of what friction lacks to hold it, beside those of the teeth. Cogging of the motor has two linear
+modes of each in which it moves, and a corner of its torque is one more end; ``slope`` is its number.
 """
 
 from math import floor, sqrt
 
 from hknob_cli.engine.general.body import (
     CONSTANT,
-    CONSTANT_HELD,
     CONSTANT_STUCK,
     ENTRY,
     HALVES,
@@ -27,14 +27,37 @@ from hknob_cli.engine.general.body import (
     STUCK_HALVES,
     coil_at,
     norm_at,
+    stiffness,
 )
-from hknob_cli.engine.general.slide_many import FINEST, SHORTEST, accept, held_bound, sliding_bound, stretch
+from hknob_cli.engine.general.cogging import (
+    FREE,
+    ROOT,
+    TOOTHED_HALVES,
+    TURNED,
+    cog_number,
+    corner_passed,
+    corner_told,
+    has_cogs,
+    is_stable,
+    least_share,
+    slope_pull,
+)
+from hknob_cli.engine.general.slide_many import (
+    FINEST,
+    SHORTEST,
+    accept,
+    held_bound,
+    keeps_sign,
+    sliding_bound,
+    stretch,
+)
 from hknob_cli.engine.general.slide_two import way
 
 APART = 2  # modes of a piece that is written down, by the sign of the speed: 1 on the wall's flank, 2 on none,
 BACK = 3  # and 3 on the other; with a motor that friction holds 0,
 STUCK_APART, STUCK_BACK = 4, 5  # and these
-TURNED, SPRUNG = 1, 2  # ends of a mode: of the motor's way, and of what teeth did
+ON_STABLE, ON_UNSTABLE = 7, 10  # what is added to one of a motor that moves on a slope of cogging
+SPRUNG = 4  # end of a mode, beside `TURNED`, that of the motor's way, and corners of cogging: of what teeth did
 
 
 def overlap(d, side, body):
@@ -59,7 +82,7 @@ def flank(z, body):
     return -1 if touches(z, 0, -1, body) else 0
 
 
-def teeth_rate(z, u, side, toward, body, out):
+def teeth_rate(z, u, side, toward, body, out, slope=0.0):
     """Rate of the state under the command ``u``, on a flank or on none.
 
     ``toward``: sign of the motor's speed, against which friction acts; 0 where there is none, or where it holds.
@@ -79,6 +102,8 @@ def teeth_rate(z, u, side, toward, body, out):
         return
     matrix = (HELD if side == 0 else RATES) * n * n
     command = (0.0 if body.lag > 0.0 else u) - toward * body.friction
+    if has_cogs(body.cogs):
+        command += slope_pull(body.cogs, z[0], slope)
     for i in range(n):
         total = body.vectors[CONSTANT * n + i] + body.vectors[ENTRY * n + i] * command
         for j in range(n):
@@ -92,11 +117,13 @@ def teeth_rate(z, u, side, toward, body, out):
         out[n - 1] += body.lag * u
 
 
-def teeth_pull(z, at, u, side, body):
+def teeth_pull(z, at, u, side, body, slope=0.0):
     """Acceleration of the motor without friction, on a flank or on none."""
     n = body.order
     matrix = (HELD if side == 0 else RATES) * n * n
     total = body.vectors[CONSTANT * n + 1]
+    if has_cogs(body.cogs):
+        total += slope_pull(body.cogs, z[at], slope)
     if body.lag == 0.0:
         total += u
     for j in range(n):
@@ -106,17 +133,12 @@ def teeth_pull(z, at, u, side, body):
     return total
 
 
-def direction(z, u, side, body):
+def direction(z, u, side, body, slope=0.0):
     """Sign of the motor's speed from here on; 0 where friction holds it."""
-    pull = teeth_pull(z, 0, u, side, body)
+    pull = teeth_pull(z, 0, u, side, body, slope)
     if body.friction > 0.0:
         return way(z[1], pull, body.friction)
     return 1 if z[1] > 0.0 or (z[1] == 0.0 and pull > 0.0) else -1
-
-
-def keeps_sign(value, slope, bound, h):
-    """Whether a value stays above 0 over ``h``: ``slope`` is its rate now, ``bound`` is on its second derivative."""
-    return value + min(slope, 0.0) * h - 0.5 * bound * h * h > 0.0
 
 
 def seen(z, pad, side, h, pace, twist, body):
@@ -136,31 +158,43 @@ def seen(z, pad, side, h, pace, twist, body):
     return 1 if abs(slope) > twist * h else 0
 
 
-def stuck_told(z, u, pad, side, h, body):
+def stuck_told(z, u, pad, side, h, body, slope=0.0):
     """Whether it can be told what becomes of a motor that friction holds within ``h``: nothing, or a release, once."""
     n = body.order
     matrix = (HELD if side == 0 else RATES) * n * n
-    slope = 0.0
+    rate = 0.0
     for j in range(n):
-        slope += body.matrices[matrix + n + j] * pad[j]
+        rate += body.matrices[matrix + n + j] * pad[j]
     bound = held_bound(pad, body)
-    value = body.friction - abs(teeth_pull(z, 0, u, side, body))
-    return bound == 0.0 or keeps_sign(value, -abs(slope), bound, h) or abs(slope) > bound * h
+    value = body.friction - abs(teeth_pull(z, 0, u, side, body, slope))
+    return bound == 0.0 or keeps_sign(value, -abs(rate), bound, h) or abs(rate) > bound * h
 
 
-def told(z, u, pad, side, toward, h, pace, twist, jerk, body):
-    """Whether at most one thing happens within ``h``, and once: the mode ends, or the motor turns round."""
+def told(z, u, pad, side, toward, h, pace, twist, jerk, body, slope=0.0):
+    """Whether each of these happens at most once within ``h``: teeth part or meet, a corner is passed, the motor turns.
+
+    ``pace``, ``twist`` and ``jerk`` bound the second derivatives of the mesh's angle, of its torque and of the motor's
+    speed, on an unstable slope as the rates are now.
+    """
     if pace == 0.0:
         return True  # no torque changes, and teeth do not move against each other
-    if toward == 0 and body.friction > 0.0:
-        turning = stuck_told(z, u, pad, side, h, body)
+    stuck = toward == 0 and body.friction > 0.0
+    if has_cogs(body.cogs) and not stuck:
+        share = least_share(body.cogs, slope, h)
+        if share == 0.0:
+            return False
+        pace, twist, jerk = pace / share, twist / share, jerk / share
+        if not corner_told(body.cogs, z[0], pad[0], pace, slope, FREE if toward == 0 else toward, h):
+            return False
+    if stuck:
+        turning = stuck_told(z, u, pad, side, h, body, slope)
     elif toward != 0 and jerk > 0.0 and not keeps_sign(toward * z[1], toward * pad[1], jerk, h):
         turning = abs(pad[1]) > jerk * h
     else:
         turning = True  # no turn is asked for, or none comes, or the speed changes evenly: it turns once at most
     if side != 0:
-        slope = side * (body.pad_stiffness * pad[2] + body.pad_damping * pad[3])
-        return turning and (keeps_sign(pressing(z, 0, side, body), slope, twist, h) or abs(slope) > twist * h)
+        rate = side * (body.pad_stiffness * pad[2] + body.pad_damping * pad[3])
+        return turning and (keeps_sign(pressing(z, 0, side, body), rate, twist, h) or abs(rate) > twist * h)
     one, other = seen(z, pad, 1, h, pace, twist, body), seen(z, pad, -1, h, pace, twist, body)
     return turning and one + other > 2
 
@@ -172,16 +206,22 @@ def teeth_over(z, at, side, body):
     return touches(z, at, 1, body) or touches(z, at, -1, body)
 
 
-def over_now(pad, u, side, toward, body):
+def over_now(pad, u, side, toward, body, slope=0.0):
     """Which end of a mode the state in the second half of ``pad`` is past; 0 of none.
 
-    `TURNED`: a turning point, or the release of a motor that friction holds; else `SPRUNG`.
+    `TURNED`: a turning point, or the release of a motor that friction holds; `cogging.RISEN`, `cogging.FALLEN`: a
+    corner; else `SPRUNG`.
     """
     n = body.order
     if pad[n + 1] * toward < 0.0:
         return TURNED
-    if toward == 0 and body.friction > 0.0 and abs(teeth_pull(pad, n, u, side, body)) > body.friction:
-        return TURNED
+    if toward == 0 and body.friction > 0.0:
+        if abs(teeth_pull(pad, n, u, side, body, slope)) > body.friction:
+            return TURNED
+    elif has_cogs(body.cogs):
+        corner = corner_passed(body.cogs, pad[n], pad[n + 1], slope)
+        if corner != 0:
+            return corner
     return SPRUNG if teeth_over(pad, n, side, body) else 0
 
 
@@ -206,10 +246,20 @@ def loose_bound(pad, body):
     if body.coil > 0.0:
         square += body.coil * pad[coil_at(body)] * pad[coil_at(body)]
     size = sqrt(square) + (late / body.lag if body.lag > 0.0 else 0.0)
-    return size * (body.alpha + sqrt(body.coil)) + late
+    root = cog_number(body.cogs, ROOT)
+    return (size + root * abs(pad[0])) * (body.alpha + sqrt(body.coil) + root) + late
 
 
-def press(z, u, side, toward, left, fresh, body, pad):
+def halves_of(side, toward, slope, body):
+    """Where `Body.matrices` has D, as `HALVES`, of a mode."""
+    if toward == 0 and body.friction > 0.0:
+        return STUCK_HALVES + (HALVINGS if side == 0 else 0)
+    if has_cogs(body.cogs):
+        return TOOTHED_HALVES + ((0 if side != 0 else 2) + (0 if is_stable(slope) else 1)) * HALVINGS
+    return HALVES_HELD if side == 0 else HALVES
+
+
+def press(z, u, side, toward, left, fresh, body, pad, slope=0.0):
     """Move ``z`` on one flank, or on none, until that ends or ``left`` is over: ``(time, end of `over_now`, least)``.
 
     ``toward``: sign of the motor's speed where its turning points end the motion, too; else 0. With friction it is 0
@@ -221,10 +271,8 @@ def press(z, u, side, toward, left, fresh, body, pad):
     total, least, carried = 0.0, float("inf"), float("inf")
     half = 0
     left = floor(left * FINEST) / FINEST
-    table = HALVES_HELD if side == 0 else HALVES
-    if toward == 0 and body.friction > 0.0:
-        table = STUCK_HALVES + (HALVINGS if side == 0 else 0)
-    root = sqrt(body.ratio)
+    table = halves_of(side, toward, slope, body)
+    root, cog_root = sqrt(body.ratio), cog_number(body.cogs, ROOT)
     own = body.ratio * sqrt(body.pad_stiffness) + body.pad_damping * body.ratio * (1.0 + root)
     own += body.finger_damping * root + sqrt(body.finger_stiffness * body.ratio)
     while left > 0.0 and not body.halt[0] > 0.0:
@@ -232,33 +280,38 @@ def press(z, u, side, toward, left, fresh, body, pad):
         while h > left:
             half += 1
             h *= 0.5
-        teeth_rate(z, u, side, toward, body, pad)
-        size = norm_at(pad, 0, body)
-        pace, jerk = size * (1.0 + root), sliding_bound(pad, 0, body)
+        teeth_rate(z, u, side, toward, body, pad, slope)
+        size, jerk = norm_at(pad, 0, body), sliding_bound(pad, 0, body)
+        if has_cogs(body.cogs):
+            more = cog_root * abs(pad[0])
+            jerk += more * stiffness(body) + (size + more) * cog_root
+            size += more
+        pace = size * (1.0 + root)
         twist = body.pad_stiffness * pace + body.pad_damping * (jerk + own * size)
         if side == 0 and (body.friction > 0.0 or body.alpha > 1.0):
             jerk = loose_bound(pad, body)  # else a motor that slows down for ever is followed in tiny steps
         deepest = SHORTEST if fresh else HALVINGS - 1
-        clear = told(z, u, pad, side, toward, h, pace, twist, jerk, body)
+        clear = told(z, u, pad, side, toward, h, pace, twist, jerk, body, slope)
         while not clear and half < deepest:
             half += 1
             h *= 0.5
-            clear = told(z, u, pad, side, toward, h, pace, twist, jerk, body)
+            clear = told(z, u, pad, side, toward, h, pace, twist, jerk, body, slope)
         stretch(z, pad, table + half, body)
-        ended = over_now(pad, u, side, toward, body)
+        ended = over_now(pad, u, side, toward, body, slope)
         if side != 0:
-            carried = least_torque(z, pad, side, h, twist, body)
+            share = least_share(body.cogs, slope, h)
+            carried = least_torque(z, pad, side, h, twist / share, body) if share > 0.0 else -1.0
         if ended > 0 and clear:
             for deeper in range(half + 1, HALVINGS):
-                teeth_rate(z, u, side, toward, body, pad)
+                teeth_rate(z, u, side, toward, body, pad, slope)
                 stretch(z, pad, table + deeper, body)
-                sooner = over_now(pad, u, side, toward, body)
+                sooner = over_now(pad, u, side, toward, body, slope)
                 if sooner > 0:
                     ended = sooner
                 else:
                     accept(z, pad, n)
                     total += 0.5**deeper
-            teeth_rate(z, u, side, toward, body, pad)
+            teeth_rate(z, u, side, toward, body, pad, slope)
             stretch(z, pad, table + HALVINGS - 1, body)
             accept(z, pad, n)
             return total + 0.5 ** (HALVINGS - 1), ended, -1.0 if ended == SPRUNG else min(least, carried)
@@ -273,47 +326,3 @@ def press(z, u, side, toward, left, fresh, body, pad):
         if half > 0:
             half -= 1
     return total, 0, least
-
-
-def flank_room(torque, body):
-    """How far apart motions may be, by `body.distance`, until teeth may part that carry ``torque`` in one of them."""
-    if torque <= 0.0:
-        return 0.0
-    return body.reach * torque / (sqrt(body.pad_stiffness) + body.pad_damping * (1.0 + sqrt(body.ratio)))
-
-
-def held_in_teeth(z, u, body):
-    """Whether friction holds the motor for ever, and the knob settles on the flank, or on none, on which it is now.
-
-    The energy of the knob's motion about where it would settle never grows. It bounds how far the mesh's torque ever
-    gets from what it is there, so that teeth which press there do not part; in the gap it bounds the way.
-    """
-    n = body.order
-    late = abs(z[n - 1] - u) if body.lag > 0.0 else 0.0
-    if body.coil > 0.0:
-        late += body.coil * abs(z[coil_at(body)])
-    side = flank(z, body)
-    drive = body.vectors[CONSTANT_STUCK * n + 3] + body.finger_stiffness * z[0]
-    torque, swing = 0.0, 0.0
-    if side == 0:
-        if body.finger_damping == 0.0 or body.finger_stiffness == 0.0:
-            return False
-        rest = drive / body.finger_stiffness
-        away = z[2] - rest
-        far = sqrt(z[3] * z[3] / body.finger_stiffness + away * away)
-        if not (rest + far < 0.0 and rest - far > -body.play):
-            return False
-    else:
-        stiff = body.ratio * body.pad_stiffness + body.finger_stiffness
-        if body.finger_damping + body.pad_damping == 0.0 or stiff == 0.0:
-            return False
-        if side < 0:
-            drive -= body.ratio * body.pad_stiffness * body.play
-        rest = drive / stiff
-        away = z[2] - rest
-        energy = sqrt(z[3] * z[3] / body.ratio + stiff / body.ratio * away * away)
-        swing = (body.pad_damping * sqrt(body.ratio) + body.pad_stiffness * sqrt(body.ratio / stiff)) * energy
-        torque = side * body.pad_stiffness * overlap(rest, side, body)
-        if not side * torque > swing:
-            return False
-    return abs(u + body.vectors[CONSTANT_HELD * n + 1] - torque) + swing + late <= body.friction

@@ -12,6 +12,7 @@ from scipy.linalg import expm
 
 from hknob_cli.engine.general import flanks, teeth
 from hknob_cli.engine.general.body import Body
+from hknob_cli.engine.general.cogging import TURNED
 from hknob_cli.engine.general.flanks import (
     kind_of,
     meet,
@@ -23,18 +24,7 @@ from hknob_cli.engine.general.flanks import (
     play_many,
     spread_teeth,
 )
-from hknob_cli.engine.general.teeth import (
-    APART,
-    BACK,
-    SPRUNG,
-    STUCK_APART,
-    STUCK_BACK,
-    TURNED,
-    flank,
-    press,
-    pressing,
-    touches,
-)
+from hknob_cli.engine.general.teeth import APART, BACK, SPRUNG, STUCK_APART, STUCK_BACK, flank, press, pressing, touches
 
 from .gears import Gear, begun, geared
 

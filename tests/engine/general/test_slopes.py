@@ -22,12 +22,18 @@ from hknob_cli.engine.general.cogging import (
     STABLE,
     TURNED,
     UNSTABLE,
-    cog_acceleration,
-    cog_rate,
-    roll,
     slope_at,
 )
-from hknob_cli.engine.general.slopes import cog_chart, cog_columns, cog_many, pass_on, way_from
+from hknob_cli.engine.general.slopes import (
+    cog_acceleration,
+    cog_chart,
+    cog_columns,
+    cog_many,
+    cog_rate,
+    pass_on,
+    roll,
+    way_from,
+)
 
 from .cogs import SCENES, Cogged, begun, body_of, by_hand
 

@@ -11,9 +11,10 @@ from hknob_cli.engine.general.advance import rub_many
 from hknob_cli.engine.general.body import FIRST, Body
 from hknob_cli.engine.general.cogging import FALLEN, RISEN, TURNED
 from hknob_cli.engine.general.controller import Controller, edge_gap, read_after
+from hknob_cli.engine.general.flank_rest import flank_room
 from hknob_cli.engine.general.hysteresis import pass_still, still_in_teeth, turn_and_count, way_at_most
 from hknob_cli.engine.general.slopes import cog_many
-from hknob_cli.engine.general.teeth import flank, flank_room, pressing
+from hknob_cli.engine.general.teeth import flank, pressing
 
 from .bodies import knob
 from .cogs import SCENES, Cogged, body_of

@@ -22,16 +22,14 @@ from hknob_cli.engine.general.cogging import (
     hold_stiffness,
     is_stable,
     middle_of,
-    over,
     own_stiffness,
     pull_on,
     reach_on,
-    roll,
     room_on,
     slope_at,
     spring_of,
-    told,
 )
+from hknob_cli.engine.general.slopes import over, roll, told
 from hknob_cli.scene.increments import halves
 from tests.engine.general.cogs import by_hand
 

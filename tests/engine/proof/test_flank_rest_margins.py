@@ -10,10 +10,10 @@ import pytest
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NOT_CAPTURED, PROVEN
 from hknob_cli.engine.general import inner_region, standstill
 from hknob_cli.engine.general.body import Body, norm
+from hknob_cli.engine.general.flank_rest import held_in_teeth
 from hknob_cli.engine.general.laws import period, rest
 from hknob_cli.engine.general.period_map import EXPANDS, PARTS
 from hknob_cli.engine.general.standstill import SETTLING, settles
-from hknob_cli.engine.general.teeth import held_in_teeth
 from hknob_cli.engine.rest import AT_REST, MOVING
 from tests.engine.general.gears import Gear, geared
 

@@ -6,9 +6,9 @@ from random import Random
 import numpy as np
 import pytest
 
+from hknob_cli.engine.general.cogging import TURNED
 from hknob_cli.engine.general.teeth import (
     SPRUNG,
-    TURNED,
     direction,
     flank,
     keeps_sign,

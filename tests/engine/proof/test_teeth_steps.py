@@ -13,7 +13,8 @@ from scipy.linalg import expm
 
 from hknob_cli.engine.general import teeth
 from hknob_cli.engine.general.body import HALVES, HALVES_HELD, HALVINGS, STUCK_HALVES
-from hknob_cli.engine.general.teeth import SPRUNG, TURNED, press
+from hknob_cli.engine.general.cogging import TURNED
+from hknob_cli.engine.general.teeth import SPRUNG, press
 from tests.engine.general.gears import Gear
 from tests.engine.general.test_flanks import BODIES, body_of
 

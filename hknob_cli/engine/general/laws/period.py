@@ -11,6 +11,7 @@ from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTUR
 from hknob_cli.engine.general.body import copy_to, norm, stiffness, turn_finger
 from hknob_cli.engine.general.cogging import ROOT, SIZE, cog_number, far_apart, has_cogs, hold_stiffness, reach_on
 from hknob_cli.engine.general.controller import count_gap, edge_gap, read_after, table_size
+from hknob_cli.engine.general.flank_rest import flank_room_on
 from hknob_cli.engine.general.laws.cascade import (
     apart,
     faded,
@@ -25,7 +26,6 @@ from hknob_cli.engine.general.laws.sensed import begin_columns, certify_sensed, 
 from hknob_cli.engine.general.laws.step import FREE, advance_with_law, count_piece, decide
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, LEAST_SCALE, NEWTON_STEPS, PARTS
 from hknob_cli.engine.general.powers import dissipates, invert
-from hknob_cli.engine.general.teeth import flank_room
 
 REPEATS = 1e-8  # counts, relative: by which what cannot be proven must come back
 SURE = 1e-9  # of a sum: far more than the roundings of all samples that are ever taken
@@ -43,7 +43,7 @@ def turn_with_law(past, period, body, wall, law, space, m):
         space.cols[width * width + c] = 0.0  # torques do not depend on where the plant is, between edges
     for i in range(n):
         space.state[i] = space.orbit[i]
-    for i in range(3):
+    for i in range(4):
         space.marks[i] = float("inf")
     margin, edge, guard = float("inf"), float("inf"), FREE
     reach, pace, strength = cog_number(body.cogs, SIZE), 0.0, 0.0
@@ -222,14 +222,14 @@ def certify_with_law(z, past, period, body, wall, law, space):
             return AT_EVENT, margin, edge, closure, bound
     parts = False
     if body.play > 0.0:
-        room = flank_room(space.marks[2], body)
+        room = flank_room_on(body.cogs, space.marks[2], space.orbit[0], body)
         parts = not room > bound
         if not parts:
             margin = min(margin, room)
     if has_cogs(body.cogs):
-        parts = not (holds and space.marks[2] > bound)
+        parts = parts or not (holds and space.marks[3] > bound)
         if not parts:
-            margin = min(margin, space.marks[2])
+            margin = min(margin, space.marks[3])
     if not margin > bound:
         return ON_EDGE, margin, edge, closure, bound
     law.room[0] = guard - worn if law.drifts < 0 else spare

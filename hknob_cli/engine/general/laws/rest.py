@@ -10,11 +10,11 @@ from hknob_cli.engine.general.body import acceleration, copy_to, distance
 from hknob_cli.engine.general.cog_rest import keeps_to_slope, settles_free
 from hknob_cli.engine.general.cogging import cog_pull, has_cogs
 from hknob_cli.engine.general.controller import edge_gap, table_size
+from hknob_cli.engine.general.flank_rest import flank_room
 from hknob_cli.engine.general.inner_region import ROUNDINGS, hold_zone
 from hknob_cli.engine.general.laws.cascade import faded, pushed_apart, same_count, settle_faded, torques_apart
 from hknob_cli.engine.general.laws.step import decide
 from hknob_cli.engine.general.standstill import SETTLING, rest_rounding, stays_held
-from hknob_cli.engine.general.teeth import flank_room
 from hknob_cli.engine.rest import AT_REST, MOVING, REST_ON_EDGE, RINGS
 
 

@@ -7,7 +7,6 @@ from hknob_cli.engine.general.hysteresis import turn_and_count
 from hknob_cli.engine.general.jitter import begin_clock, meant_pace, next_span
 from hknob_cli.engine.general.laws.law import LOOK, MATRIX, PIECE, SPAN, TORQUE, F, G, S
 from hknob_cli.engine.general.slide_two import step_with_friction
-from hknob_cli.engine.general.slopes import cog_many
 from hknob_cli.engine.general.torque_curve import curve_torque, has_curve
 from hknob_cli.engine.general.torque_table import command_at, is_there
 from hknob_cli.engine.general.trace import chart
@@ -79,9 +78,7 @@ def move_piece(z, past, piece, body, law, pad):
     """Move ``z``, beside cogging or of more than angle and speed, over one piece of an interval."""
     at = piece * PIECE
     u = past[int(law.sched[at + TORQUE])]
-    if has_cogs(body.cogs):
-        cog_many(body.cogs, z, u, law.sched[at + SPAN], body, pad)
-    elif body.friction > 0.0 or body.play > 0.0:
+    if body.friction > 0.0 or body.play > 0.0 or has_cogs(body.cogs):
         rub_many(z, u, law.sched[at + SPAN], body, pad)
     else:
         advance_hold(z, u, int(law.sched[at + MATRIX]), body, pad)
