@@ -307,7 +307,8 @@ class Friction:
     closest: float = float("inf")
     turns: list[Any] = field(default_factory=list)
     find_turns: bool = False
-    flank: int = 1  # or slope of cogging
+    flank: int = 1
+    slope: int = 0  # of cogging
     parted: int = 0  # times that teeth have, or that a slope has ended
 
     def hold(self, command: Any, duration: Any) -> None:
@@ -355,7 +356,7 @@ class Friction:
         flanks = [flank for flank in (1, -1) if self.bodies.presses(self.z, flank)]
         self.flank = flanks[0] if flanks else 0
         if self.bodies.cogs:
-            self.flank = self.bodies.slope(self.z[KNOB])
+            self.slope = self.bodies.slope(self.z[KNOB])
         if self.z[SPEED] == 0:
             self._start()
         else:
@@ -370,18 +371,18 @@ class Friction:
 
     def _step(self, step: Any, level: int, *, recurs: bool) -> None:
         then = self._acting().move(self.mode, self.z, step, recurs=recurs and level < KEPT)
-        turned, sprung = self._events(then)
-        if not turned and not sprung:
+        turned, sprung, passed = self._events(then)
+        if not turned and not sprung and not passed:
             self.z = then
         elif level < 60:
             self._step(step / 2, level + 1, recurs=recurs)
             self._step(step / 2, level + 1, recurs=recurs)
         else:
             self.z = then
-            if sprung and self.bodies.cogs:
+            if passed:
                 self.parted += 1
-                self.flank += 1 if then[SPEED] > 0 else -1
-            elif sprung:
+                self.slope += 1 if then[SPEED] > 0 else -1
+            if sprung:
                 self.parted += self.flank != 0
                 self.flank = 0 if self.flank else (1 if self.bodies.presses(then, 1) else -1)
             if turned and self.mode != STUCK:
@@ -398,22 +399,24 @@ class Friction:
                 self._start()
 
     def _acting(self) -> Bodies:
-        if self.bodies.cogs:
-            return self.bodies.on(self.flank)
-        return self.bodies.teeth[self.flank] if self.bodies.play else self.bodies
+        bodies = self.bodies.on(self.slope) if self.bodies.cogs else self.bodies
+        return bodies.teeth[self.flank] if bodies.play else bodies
 
-    def _events(self, z: Vector) -> tuple[bool, bool]:
-        """Whether the knob has turned round, or is released, and whether teeth have met or parted, or a slope ended."""
+    def _events(self, z: Vector) -> tuple[bool, bool, bool]:
+        """Whether the knob has turned round, or is released; whether teeth have met or parted; and a slope ended."""
+        sprung = passed = False
         if self.bodies.cogs:
             there = self.bodies.slope(z[KNOB])
-            sprung = there > self.flank if z[SPEED] > 0 else there < self.flank
+            passed = there > self.slope if z[SPEED] > 0 else there < self.slope
+        if not self.bodies.play:
+            pass
         elif self.flank:
             sprung = not self.bodies.presses(z, self.flank)
         else:
             sprung = self.bodies.presses(z, 1) or self.bodies.presses(z, -1)
         if self.mode == STUCK:
-            return abs(_dot(self._acting().torque_sum, z)) > self.bodies.friction, sprung
-        return z[SPEED] * self.mode < 0, sprung
+            return abs(_dot(self._acting().torque_sum, z)) > self.bodies.friction, sprung, passed
+        return z[SPEED] * self.mode < 0, sprung, passed
 
     def _sum(self) -> Any:
         return _dot(self._acting().torque_sum, self.z)

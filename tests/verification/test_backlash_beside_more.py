@@ -295,7 +295,7 @@ def test_the_derivative_goes_through_every_event(level: float) -> None:
         for c in range(4):
             for i in range(space.width):
                 space.cols[c * space.width + i] = float(i == c)
-        marks = [np.inf] * 3
+        marks = [np.inf] * 4
         before, _ = advance_columns(z, now, [], 0, body, knob.wall, pad, space.cols, 4, space.width, marks)
         slopes = np.array([[space.cols[c * space.width + i] for c in range(4)] for i in range(4)])
         ends = []
