@@ -63,6 +63,7 @@ LEAST_PARTS = 3
 ANGLE, VELOCITY, PHASE = 0.02, -0.5, 0.5  # rad, rad/s, of a sample: where trials start
 COMPARED = 60  # samples of a trial that are compared one by one
 SETTLED = 500  # samples by which the model should have settled, to compare what it settles to
+UNPROVEN = (Reason.PARTS, Reason.COGS, Reason.PARTS_OR_COGS)  # cycles that attract to first order
 THROUGH_PLAY = 80  # of a motion whose teeth may part, or beside cogging
 BEFORE_CHAOS = 30  # samples that are compared of it: neighbours part tenfold in 10 to 29 ms, and so do roundings
 LONGEST = 40  # samples of a period that is derived again, for the time that 60 digits take
@@ -451,7 +452,7 @@ def compare(one: Case) -> Verdict:
     if end.outcome is Outcome.CYCLE and end.certified and end.period <= LONGEST and known:
         largest = derive(one, found)
         cycles = 1
-    if end.outcome is Outcome.CYCLE and (end.certified or end.reason in (Reason.PARTS, Reason.COGS)):
+    if end.outcome is Outcome.CYCLE and (end.certified or end.reason in UNPROVEN):
         audit(one, found)
     label = f"{end.outcome.name.lower()}{'' if end.certified else ', not proven'}"
     return Verdict(label, min(len(seen), len(found.samples)), settled, cycles, largest)
