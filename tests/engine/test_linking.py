@@ -144,13 +144,42 @@ def test_references_are_counted_only_where_arrays_are_made() -> None:
     assert not any(count for name, count in counts.items() if name.startswith("general."))
 
 
-def test_what_cannot_be_compiled_leaves_the_collector_on() -> None:
+def test_what_cannot_be_compiled_leaves_the_collector_on_and_numba_as_it_was() -> None:
     load_numba()
-    entry = kinds().entry(lambda x: x.nothing_like_it)
+    from numba.core.types.functions import BaseFunction
+
+    entry, finds = kinds().entry(lambda x: x.nothing_like_it), BaseFunction.get_call_type
     assert gc.isenabled()
     with pytest.raises(Exception, match="nothing_like_it"):
         entry(1.0)
     assert gc.isenabled()
+    assert BaseFunction.get_call_type is finds
+
+
+def test_what_an_operator_returns_is_found_out_once_and_is_numbas_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of numbers that the engine does not have, some sums twice; the results are those of Python and of plain numba."""
+    numba = load_numba()
+    from numba.core.types.functions import BaseFunction
+
+    find, asked = BaseFunction.get_call_type, []
+
+    def told(self: Any, context: Any, args: Any, kws: Any) -> Any:
+        asked.append((self, args))
+        return find(self, context, args, kws)
+
+    def sums(x: Any, n: Any) -> tuple[Any, ...]:
+        return x + x, n + n, x + n, x * 2 + (x + x), n // 2 + (n + n), min(x, n) + abs(-x)
+
+    plain = numba.njit(sums)
+    monkeypatch.setattr(BaseFunction, "get_call_type", told)
+    entry = kinds().entry(sums)
+    numbers = [(np.float32(0.25), np.int16(3)), (np.float32(7.0), np.int16(-2))]
+    assert [entry(*pair) for pair in numbers] == [sums(*pair) for pair in numbers]
+    here = [one for one in asked if len(one[1]) == 2]
+    assert len(here) >= 5
+    assert len(here) == len(set(here))
+    monkeypatch.setattr(BaseFunction, "get_call_type", find)
+    assert [plain(*pair) for pair in numbers] == [entry(*pair) for pair in numbers]
 
 
 @pytest.mark.parametrize("group", GROUPS)

@@ -331,6 +331,7 @@ PAIRS = [
     ("rubbing_motor", "play", "general"),
     ("hysteresis", "play", "general"),
     ("backlash", "play", "general"),
+    ("play", "cogging", "general"),
     ("friction", "cogging", "general"),
     ("finger", "cogging", "general"),
     ("hysteresis", "cogging", "general"),
