@@ -161,11 +161,10 @@ def _of_jitter(scene: SceneSpec, axes: Axes) -> Faults:
 
 def _of_cogging(scene: SceneSpec, axes: Axes) -> Faults:
     """What does not go beside cogging."""
-    if not (places := given(scene, axes, PARTS["cogging"].path)):
+    places, play = (given(scene, axes, PARTS[part].path) for part in ("cogging", "play"))
+    if not (places and play):
         return []
-    beside = {"squeeze": scene.squeeze is not None, "play": bool(given(scene, axes, PARTS["play"].path))}
-    reasons = {part: BESIDE["cogging", part, "general"] for part in beside}
-    return [(places[0], f"must be 0 beside {PARTS[part].title}: {reasons[part]}") for part in beside if beside[part]]
+    return [(places[0], f"must be 0 beside {PARTS['play'].title}: {BESIDE['cogging', 'play', 'general']}")]
 
 
 def _without_wall(scene: SceneSpec, controller: Controller, axes: Axes) -> Faults:
