@@ -40,12 +40,9 @@ def grip_of(scene: Scene) -> float:
     own = scene.hand
     least = next(grip for grip, hand in own.by_grip if hand[:3] == own[:3])
     per_newton_meter = scene.squeeze.newtons_per_newton_meter
-    push = abs(scene.bias.torque) if scene.bias and scene.bias.torque else 0.0
-    if push == 0.0 or scene.wall.stiffness == 0.0:
-        return float(least)
-
+    push = scene.bias.torque if scene.bias and scene.bias.torque else 0.0
     mesh = scene.gear.stiffness if scene.gear and scene.gear.stiffness is not None else inf
-    low, high = 0.0, push / (scene.wall.stiffness * _surface(scene))
+    low, high = 0.0, push / max(scene.wall.stiffness * _surface(scene), own.stiffness)  # one of the two holds it there
     while low < (middle := 0.5 * (low + high)) < high:
         torque = _wall_torque(scene, middle)
         spring = hand_at(own, max(least, per_newton_meter * torque)).stiffness

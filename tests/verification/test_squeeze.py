@@ -199,7 +199,7 @@ def test_limits_of_motors_and_behind_gears_hold_for_the_wall(
 
 
 def balanced(push: Push, depth: float, more: float) -> tuple[Push, Number]:
-    """The push that rests with the motor at a depth (rad) where cogging or friction add a torque (N·m), and its grip."""
+    """The push that rests with the motor at a depth (rad) where cogging or friction adds ``more`` (N·m); its grip."""
     rows, d = rows_of(push.table), mpmath.mpf(depth)
     pieces = [(a, b) for a, b, low, high in walls(push) if low <= max(d, 0) <= high]
     torque = max(d, 0) * pieces[0][0] + max(d, 0) ** 2 * pieces[0][1]
