@@ -27,6 +27,7 @@ from hknob_cli.specs.plan import (
     knob_counts,
     scene_at,
 )
+from hknob_cli.specs.squeeze import DECIDING
 from hknob_cli.theory.bounded_lag import best_keep, slowness
 from hknob_cli.theory.laws import working_edge
 from hknob_cli.theory.passivity import needed_damping
@@ -254,7 +255,7 @@ def cells_for(scene: Scene, axes: Axes, paths: tuple[str, ...]) -> Iterator[tupl
     largest value are there.
     """
     if scene.squeeze and any(path.startswith("hand") for path in paths):
-        paths = (*paths, "squeeze.", "bias.", "wall.", "controller.")  # by which its grip is chosen
+        paths = (*paths, *DECIDING)  # by which its grip is chosen
     some = {name: _taken(name, values, paths) for name, values in axes.items()}
     if prod(map(len, some.values())) > MOST_COMBINATIONS:
         some = {name: values if name in _WHOLE else _ends(values) for name, values in some.items()}

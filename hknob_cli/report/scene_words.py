@@ -7,7 +7,7 @@ from typing import Any
 
 from hknob_cli.report.table import short
 from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Axes, Hand, Scene, placed
-from hknob_cli.specs.squeeze import grip_of
+from hknob_cli.specs.squeeze import DECIDING, grip_of, left_out
 
 _UNITS = {"inertia": "kg*m^2", "damping": "N*m*s/rad", "stiffness": "N*m/rad"}
 _WINDINGS = {
@@ -81,9 +81,12 @@ class _Words:
             return f"Hands: {people} of them: {_of_all(hand.by_person)}."
         if self.scene.squeeze:
             friction, margin = self._value("squeeze.friction", ""), self._value("squeeze.margin", "times")
-            asked = range_of(self._squeezes())
+            scenes = self._squeezes()
+            asked, most = range_of(sorted(map(grip_of, scenes))), max(map(left_out, scenes))
             said = f"Hand: measured, at the grip that the push asks for, {asked} N"
-            return f"{said}: {margin} what holds at a friction of {friction.strip()}."
+            said = f"{said}: {margin} what holds at a friction of {friction.strip()}."
+            what = " and ".join(self._left_out()).capitalize()
+            return f"{said} {what}, left out of it, may change it by up to {short(most)} N." if most else said
         if hand.by_grip and GRIP in self.axes:
             grips = self.axes[GRIP]
             return f"Hand: measured, at a grip of {range_of(grips)} N ({len(grips)} values)."
@@ -95,12 +98,18 @@ class _Words:
         numbers = self._parts("hand", tuple(_UNITS))
         return f"Hand: {numbers}, turning with the knob." if numbers else "Hand: without inertia, damping or stiffness."
 
-    def _squeezes(self) -> list[float | int]:
-        """Grip forces at the ends of the axes that they depend on."""
-        deciding = ("squeeze.", "bias.", "wall.", "controller.", "actuator.", "motor.", "gear.", GRIP)
+    def _squeezes(self) -> list[Scene]:
+        """The scene at the ends of the axes that its grip depends on, and of what is left out of the grip."""
+        deciding = (*DECIDING, GRIP, "knob.coulomb_torque", "cogging.torque")
         ends = {name: {min(values), max(values)} for name, values in self.axes.items() if name.startswith(deciding)}
-        cells = (dict(zip(ends, values, strict=True)) for values in product(*ends.values()))
-        return sorted(grip_of(placed(self.scene, cell)) for cell in cells)
+        return [placed(self.scene, dict(zip(ends, values, strict=True))) for values in product(*ends.values())]
+
+    def _left_out(self) -> Iterator[str]:
+        """What of the scene the grip at rest leaves out."""
+        if self._value("knob.coulomb_torque", "") or self._value("gear.motor_coulomb_torque", ""):
+            yield "friction of the bearings"
+        if self._value("cogging.torque", ""):
+            yield "cogging"
 
     def _parts(self, path: str, keys: tuple[str, ...]) -> str:
         found = {key: self._value(f"{path}.{key}", _UNITS[key]) for key in keys}

@@ -11,7 +11,6 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from hknob_cli.specs.capability_reasons import AT as AT
-from hknob_cli.specs.capability_reasons import BESIDE
 from hknob_cli.specs.capability_reasons import WHY as WHY
 from hknob_cli.specs.parts_there import parts_of as parts_of
 from hknob_cli.specs.plan import Scene, Starts
@@ -240,7 +239,6 @@ EXCEPTIONS = {
         )
         for part in ("hysteresis", "backlash")
     },
-    **{pair: (REFUSED, why) for pair, why in BESIDE.items()},
     ("friction", "bare", "general"): (EXACT, "the period map is not shown to contract"),
     ("friction", "speed_sensor", "laws"): (EXACT, "the torque follows the motion, which is not affine"),
     **{

@@ -98,14 +98,6 @@ WHY = {
     **{("undamped", column): "nothing contracts" for column in _OF_ONE_START_OR_RANGES},
     **{("unheld", column): "no energy bounds how far motions part" for column in _OF_ONE_START_OR_RANGES},
 }  # fmt: skip
-_BESIDE_COGGING = {
-    "squeeze": "the grip's balance leaves it out",
-}
-_LOOPS = ("general", "laws")
-# Pairs of parts that are refused by loops that take each of the two.
-BESIDE = {
-    **{("cogging", part, at): why for part, why in _BESIDE_COGGING.items() for at in _LOOPS},
-}
 # Refusals whose fault stands at what is asked for, not at the part of the scene.
 AT = {
     **{(part, "bounces"): ("growth",) for part in ("unsampled", "bare", "controller", "unpushed", "people")},

@@ -38,8 +38,6 @@ def gear_contradictions(scene: SceneSpec, axes: Axes) -> Iterator[tuple[Place, s
             ("scene", "controller", "kind"),
             f"must be one without a model of knob and hand {where}: that is of one body",
         )
-    if scene.squeeze:
-        yield ("scene", "squeeze"), f"must be absent {where}: its balance leaves out the twist of the mesh"
     if scene.hand and scene.hand.finger:
         yield (
             ("scene", "hand", "finger"),

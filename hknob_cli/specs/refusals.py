@@ -16,7 +16,6 @@ from hknob_cli.specs.capabilities import (
     parts_of,
     reason,
 )
-from hknob_cli.specs.capability_reasons import BESIDE
 from hknob_cli.specs.controller import KINDS, Controller
 from hknob_cli.specs.gear_faults import gear_contradictions
 from hknob_cli.specs.hand import HandSpec, hand_contradictions
@@ -126,7 +125,6 @@ def contradictions(scene: SceneSpec, axes: Axes) -> Faults:
     if scene.bias and scene.bias.half_quantum and scene.encoder == "none":
         found.append((("scene", "bias", "half_quantum"), "must be absent where encoder is none, which has no counts"))
     found += _of_jitter(scene, axes)
-    found += _of_cogging(scene, axes)
     if scene.hand and scene.hand.finger:
         for key in ("inertia", "damping", "stiffness"):
             if f"hand.{key}" in axes:
@@ -157,15 +155,6 @@ def _of_jitter(scene: SceneSpec, axes: Axes) -> Faults:
     if not any(delay % 1.0 for delay in delays):
         return []
     return [(places[0], "must be 0 beside a delay by a part of a sample: intervals are not of one length")]
-
-
-def _of_cogging(scene: SceneSpec, axes: Axes) -> Faults:
-    """What does not go beside cogging."""
-    if not (places := given(scene, axes, PARTS["cogging"].path)):
-        return []
-    beside = {"squeeze": scene.squeeze is not None}
-    reasons = {part: BESIDE["cogging", part, "general"] for part in beside}
-    return [(places[0], f"must be 0 beside {PARTS[part].title}: {reasons[part]}") for part in beside if beside[part]]
 
 
 def _without_wall(scene: SceneSpec, controller: Controller, axes: Axes) -> Faults:

@@ -342,6 +342,9 @@ PAIRS = [
     ("controller", "cogging", "laws"),
     ("speed_sensor", "cogging", "laws"),
     ("detents", "cogging", "general"),
+    ("squeeze", "cogging", "general"),
+    ("squeeze", "mesh", "general"),
+    ("squeeze", "play", "general"),
     *(("bare", part, "general") for part in ("profile", "detents", "end_stops", "dead_zone")),
     *(("bare", part, "general") for part in ("jitter", "cogging", "play")),
 ]

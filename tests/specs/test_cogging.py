@@ -41,7 +41,6 @@ def of_cogging(**keys: Any) -> dict[str, Any]:
         (of_cogging(per_revolution=1.5), "scene.cogging.per_revolution: must be a whole number"),
         (of_cogging(per_rev=84), "scene.cogging.per_rev: unknown key; did you mean 'per_revolution'?"),
         (CHANGES["play"], "scene.cogging.torque: must be 0 beside backlash of a gear: teeth are followed from flank"),
-        (CHANGES["squeeze"], "scene.cogging.torque: must be 0 beside a grip that follows the push: the grip's balance"),
         (CHANGES["unsampled"], "scene.cogging.torque: must be absent where sampling is continuous: cogging torque is"),
         (
             {"starts": None} | {"starts": "anywhere"},

@@ -4,6 +4,7 @@
 """
 
 from copy import deepcopy
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from scipy.optimize import brentq
 
 from hknob_cli.errors import SpecError
 from hknob_cli.printed.tables import grasps
+from hknob_cli.report.derived_numbers import derived_numbers
 from hknob_cli.report.scene_words import scene_sentences
 from hknob_cli.scene.sampled_cells import scene_along
 from hknob_cli.specs.bench import merged
@@ -20,11 +22,15 @@ from hknob_cli.specs.load import validate
 from hknob_cli.specs.parts import Bias, Wall
 from hknob_cli.specs.plan import COUNTS, GRIP, RATE, SweepPlan, placed, scene_at
 from hknob_cli.specs.source import Source
-from hknob_cli.specs.squeeze import grip_of, hand_at, squeezed
+from hknob_cli.specs.squeeze import grip_of, hand_at, left_out, squeezed
 from hknob_cli.stages.sweep.run import SweepStage
 
 SQUEEZE = {"friction": 0.7, "radius": 8.9e-3, "margin": 1.5}
 STIFFENING = {"kind": "stiffening", "surface": 0.3, "depth": 0.2}
+COGGING = {"cogging": {"per_revolution": 84, "torque": 1e-3}}
+RIGID = {"ratio": 2.5, "motor_inertia": 1e-8}
+MESH = {"gear": {**RIGID, "stiffness": 0.5, "mesh_damping": 1e-3}}
+PLAY = {"gear": {**MESH["gear"], "backlash": 0.002}}
 BASE: dict[str, Any] = {
     "kind": "sweep",
     "name": "small",
@@ -111,16 +117,94 @@ def test_many_cells_at_once_are_each_alone() -> None:
     assert bare == scene_at(plan.scene, {})
 
 
-def test_a_sweep_has_the_motion_of_that_hand() -> None:
-    hand = scene_at(planned().scene, {}).hand
+def by_numbers(plan: SweepPlan, **cell: float) -> dict[str, Any]:
+    """The change of the scene that gives it the hand of its squeeze, written as numbers."""
+    hand = squeezed(placed(plan.scene, cell)).hand
     assert hand is not None
-    by_numbers = {**hand._asdict(), "table": None, "grip_n": None}
-    numbers = {key: by_numbers[key] for key in ("inertia", "damping", "stiffness", "table", "grip_n")}
-    follows = SweepStage(planned()).run()
-    same = SweepStage(planned({"hand": numbers, "squeeze": None})).run()
-    other = SweepStage(planned({"squeeze": None})).run()
+    numbers = {"inertia": hand.inertia, "damping": hand.damping, "stiffness": hand.stiffness}
+    return {"hand": {**numbers, "table": None, "grip_n": None}, "squeeze": None}
+
+
+@pytest.mark.parametrize("parts", [{}, COGGING, MESH, PLAY, {**COGGING, **MESH}])
+def test_a_sweep_has_the_motion_of_that_hand(parts: dict[str, Any]) -> None:
+    follows = SweepStage(planned(parts)).run()
+    same = SweepStage(planned({**parts, **by_numbers(planned(parts))})).run()
+    other = SweepStage(planned({**parts, "squeeze": None})).run()
+    assert follows.orbits.num_rows
     assert follows.orbits.equals(same.orbits)
     assert not follows.orbits.equals(other.orbits)
+
+
+@pytest.mark.parametrize("parts", [COGGING, MESH])
+def test_a_grid_has_the_hand_of_each_push(parts: dict[str, Any]) -> None:
+    """And of each stiffness of the mesh, if there is one."""
+    axes: dict[str, list[float]] = {"bias.torque": [0.001, 0.03]}
+    if "gear" in parts:
+        axes["gear.stiffness"] = [0.5, 20.0]
+    plan = planned(parts, **axes)
+    grid = SweepStage(plan).run().orbits.to_pylist()
+    hands = []
+    for values in product(*axes.values()):
+        cell = dict(zip(axes, values, strict=True))
+        change = by_numbers(plan, **cell)
+        hands.append(change["hand"]["damping"])
+        alone = planned({**parts, **change}, **{name: [value] for name, value in cell.items()})
+        rows = [row for row in grid if all(row[name] == value for name, value in cell.items())]
+        assert rows == SweepStage(alone).run().orbits.to_pylist() != []
+    assert len(set(hands)) == len(hands) - (1 if "gear" in parts else 0)  # a light push leaves the hand as it is
+
+
+@pytest.mark.parametrize(("gear", "controller"), [({}, None), (MESH, None), (PLAY, None), (MESH, STIFFENING)])
+def test_the_knob_rests_where_the_grip_was_sought(gear: dict[str, Any], controller: dict[str, Any] | None) -> None:
+    """With a continuous sensor, where its motion has died away to roundings: by a root of the balance for that hand."""
+    change = {**gear, "encoder": "none", **({"controller": controller} if controller else {})}
+    plan = planned({**change, "knob": {"damping": 1e-3}}, **{COUNTS: None})
+    hand, mesh = squeezed(plan.scene).hand, gear["gear"]["stiffness"] if gear else np.inf
+    assert hand is not None
+    stiffness = hand.stiffness
+
+    def torque(depth: float) -> float:
+        share = 0.3 + 0.7 * min(depth / 0.2, 1.0) if controller else 1.0
+        return 0.27 * depth * share
+
+    depth = brentq(lambda d: torque(d) + stiffness * (d + torque(d) / mesh) - 0.02, 0.0, 1.0, xtol=1e-15)
+    assert grip_of(plan.scene) == pytest.approx(1.5 * torque(depth) / (2.0 * 0.7 * 8.9e-3), rel=1e-12)
+    (row,) = SweepStage(plan).run().orbits.to_pylist()
+    assert row["outcome"] == "rest"
+    assert row["min_rad"] == pytest.approx(-depth, rel=1e-12)
+
+
+def test_a_mesh_so_soft_that_its_twist_overflows_holds_nothing_of_the_grip() -> None:
+    soft = planned({"gear": {**MESH["gear"], "stiffness": 1e-320}})
+    assert grip_of(soft.scene) == 0.71
+
+
+def test_a_softer_mesh_leaves_more_to_the_hands_spring() -> None:
+    """Its numbers are told at both ends of an axis of the gear, and of a torque limit."""
+    grips = [grip_of(planned({"gear": {**MESH["gear"], "stiffness": one}}).scene) for one in (0.05, 0.5, 5.0, 1e12)]
+    assert grips == sorted(set(grips))
+    assert grips[-1] == pytest.approx(grip_of(planned().scene), rel=1e-9)
+    for parts, axis in ((MESH, {"gear.stiffness": [0.5, 20.0]}), ({}, {"actuator.torque_limit": [0.008, 0.5]})):
+        plan = planned(parts or {"actuator": {"torque_limit": 0.5}}, **axis)
+        (damping,) = (one for one in derived_numbers(plan.scene, plan.axes) if one.name == "damping of knob and hand")
+        ((name, values),) = axis.items()
+        hands = [squeezed(placed(plan.scene, {name: value})).hand for value in values]
+        assert [damping.least, damping.largest] == [one.damping for one in hands if one]
+
+
+@pytest.mark.parametrize(
+    ("parts", "torque"),
+    [
+        ({}, 0.0),
+        (COGGING, 1e-3),
+        ({"knob": {"coulomb_torque": 2e-4}, **COGGING}, 1.2e-3),
+        ({"knob": {"coulomb_torque": 2e-4}, "gear": {**RIGID, "motor_coulomb_torque": 1e-4}, **COGGING}, 2.95e-3),
+        ({"gear": {**MESH["gear"], "motor_coulomb_torque": 1e-4}, **COGGING}, 2.75e-3),
+    ],
+)
+def test_what_friction_and_cogging_may_change(parts: dict[str, Any], torque: float) -> None:
+    """Margin C / (2 mu r) for all that they give, that of the motor 2.5 times."""
+    assert left_out(planned(parts).scene) == pytest.approx(1.5 * torque / (2 * 0.7 * 8.9e-3), rel=1e-15)
 
 
 def test_what_it_says() -> None:
@@ -130,6 +214,19 @@ def test_what_it_says() -> None:
         "Hand: measured, at the grip that the push asks for, 0.71 to 1.906 N: 1.5 times what holds at a friction of"
         " 0.7."
     )
+
+
+def test_it_says_what_friction_and_cogging_may_change() -> None:
+    """At the most of all cells: 1.5 mN·m of the motor behind 2.5 ask for 0.4515 N."""
+    plan = planned({**COGGING, "gear": RIGID}, **{"cogging.torque": [0.0, 1.5e-3]})
+    (said,) = (text for text in scene_sentences(plan.scene, plan.axes) if text.startswith("Hand"))
+    assert said.endswith(" at a friction of 0.7. Cogging, left out of it, may change it by up to 0.4514 N.")
+    both = planned({**MESH, **COGGING}, **{"gear.motor_coulomb_torque": [0.0, 1e-4]})
+    (said,) = (text for text in scene_sentences(both.scene, both.axes) if text.startswith("Hand"))
+    assert said.endswith(" Friction of the bearings and cogging, left out of it, may change it by up to 0.3311 N.")
+    rubbing = planned({"knob": {"coulomb_torque": 1e-4}})
+    (said,) = (text for text in scene_sentences(rubbing.scene, rubbing.axes) if text.startswith("Hand"))
+    assert said.endswith(" Friction of the bearings, left out of it, may change it by up to 0.01204 N.")
 
 
 def test_a_wall_that_gives_no_more_than_its_limit_asks_for_no_firmer_grip() -> None:
@@ -204,3 +301,17 @@ def test_without_a_push_the_grip_is_that_of_the_hand() -> None:
     assert grip_of(scene._replace(bias=Bias(half_quantum=True))) == 0.71
     assert grip_of(scene._replace(wall=Wall(1.0))) > grip_of(scene)
     assert grip_of(scene) > 0.71
+
+
+@pytest.mark.parametrize("surface", [1.0, 0.3])
+@pytest.mark.parametrize("stiffness", [0.0, 5e-324, 1e-310, 1e-9])
+def test_a_wall_that_holds_next_to_nothing_asks_for_no_grip(stiffness: float, surface: float) -> None:
+    """Though the push would go into it for ever without a hand."""
+    stiffening = {"controller": {**STIFFENING, "surface": surface}} if surface < 1.0 else {}
+    assert grip_of(planned(stiffening).scene._replace(wall=Wall(stiffness))) == 0.71
+
+
+def test_what_does_not_change_the_torque_at_rest_does_not_change_the_grip() -> None:
+    plain = grip_of(planned().scene)
+    for parts in ({"actuator": {"delay_samples": 0.5}}, {"controller": {"kind": "bounded_lag"}}, {"gear": RIGID}):
+        assert grip_of(planned(parts).scene) == plain

@@ -2,7 +2,9 @@
 
 It reads the printed tables by itself, and shares no code with the package. A grip F holds the torque F / p. Between two
 rows of the table the hand has the stiffness h + s F; in a piece of the wall its torque is T = a d + b d^2 at a depth d.
-In each pair of pieces the rests are the roots d of T + (h + s p T) d = g, a polynomial of at most the third degree.
+Behind a gear of stiffness c the motor is at the depth d, and the knob at d + e T, e = 1 / c: that far the torque T of
+the mesh has turned it further. In each pair of pieces the rests are the roots d of T + (h + s p T) (d + e T) = g, a
+polynomial of at most the fourth degree. What it finds is put into the balance again.
 """
 
 import csv
@@ -39,7 +41,8 @@ def rows_of(table: int) -> list[Row]:
 class Push:
     """A push g (N·m) on a wall by a hand of a table, whose least grip is a row's.
 
-    ``per_torque``: p, N per N·m; ``surface`` and ``depth`` (rad) of a wall that stiffens; ``most``: torque limit.
+    ``per_torque``: p, N per N·m; ``surface`` and ``depth`` (rad) of a wall that stiffens; ``most``: torque limit;
+    ``mesh``: stiffness (N·m/rad) of a gear, None: rigid.
     """
 
     table: int
@@ -52,6 +55,12 @@ class Push:
     surface: float = 1.0
     depth: float = 1.0
     most: float | None = None
+    mesh: float | None = None
+
+    @property
+    def twist(self) -> Number:
+        """Turn of the knob against the motor, of a torque."""
+        return 1 / mpmath.mpf(self.mesh) if self.mesh is not None else mpmath.mpf(0)
 
     @property
     def per_torque(self) -> Number:
@@ -61,7 +70,10 @@ class Push:
 
 @dataclass(frozen=True)
 class Rest:
-    """Depth (rad), torque of the wall (N·m), grip (N), and the hand's inertia, damping and stiffness there."""
+    """Depth (rad), torque of the wall (N·m), grip (N), and the hand's inertia, damping and stiffness there.
+
+    The depth is that of the motor.
+    """
 
     depth: Number
     torque: Number
@@ -72,25 +84,28 @@ class Rest:
 def rests(push: Push) -> list[Rest]:
     """Every rest inside the wall, found once in each pair of pieces, and twice where it is on the end of both."""
     with mpmath.workdps(DIGITS):
-        rows, p, g = rows_of(push.table), push.per_torque, mpmath.mpf(push.torque)
+        rows, p, g, e = rows_of(push.table), push.per_torque, mpmath.mpf(push.torque), push.twist
         found: list[Rest] = []
-        for a, b, shallow, deep in _walls(push):
+        for a, b, shallow, deep in walls(push):
             for h, s, light, firm in _hands(rows, push.least):
-                terms = [-g, a + h, b + s * p * a, s * p * b]
+                torques, stiffnesses = [mpmath.mpf(0), a, b], [h, s * p * a, s * p * b]
+                terms = _product(stiffnesses, [mpmath.mpf(0), 1 + e * a, e * b])
+                for power, coefficient in enumerate([-g, *torques[1:]]):
+                    terms[power] += coefficient
                 for d in _positive(terms):
                     torque = a * d + b * d**2
                     if _within(d, shallow, deep) and _within(p * torque, light, firm) and _allowed(push, torque):
                         found.append(_rest(rows, push, d, torque))
         if push.most is not None:
             most = mpmath.mpf(push.most)
-            stiffness = _at(rows, max(p * most, rows[push.least][0]))[2]
-            d = (g - most) / stiffness
-            if d > 0 and any(a * d + b * d**2 >= most for a, b, low, high in _walls(push) if low <= d <= high):
+            stiffness = at_grip(rows, max(p * most, rows[push.least][0]))[2]
+            d = (g - most) / stiffness - e * most
+            if d > 0 and any(a * d + b * d**2 >= most for a, b, low, high in walls(push) if low <= d <= high):
                 found.append(_rest(rows, push, d, most))
         return found
 
 
-def _walls(push: Push) -> Iterator[tuple[Number, Number, Number, Number]]:
+def walls(push: Push) -> Iterator[tuple[Number, Number, Number, Number]]:
     """Pieces of the wall: T = a d + b d^2 from one depth to another."""
     k, surface, depth = (mpmath.mpf(value) for value in (push.stiffness, push.surface, push.depth))
     if push.surface == 1.0:
@@ -109,22 +124,58 @@ def _hands(rows: list[Row], least: int) -> Iterator[tuple[Number, Number, Number
     yield rows[-1][3], mpmath.mpf(0), rows[-1][0], mpmath.inf
 
 
+def _product(one: list[Number], other: list[Number]) -> list[Number]:
+    """Terms of the product of two polynomials, the lowest first."""
+    found = [mpmath.mpf(0)] * (len(one) + len(other) - 1)
+    for i, left in enumerate(one):
+        for j, right in enumerate(other):
+            found[i + j] += left * right
+    return found
+
+
 def _positive(terms: list[Number]) -> list[Number]:
-    """Positive real roots of a polynomial of at most the third degree, its lowest term first, in closed form."""
-    with mpmath.workdps(4 * DIGITS):  # the highest term may be tiny
-        c, b, a = (terms[i] / terms[-1] if terms[-1] else terms[i] for i in range(3))
-        if terms[3]:
-            shift, p, q = a / 3, b - a * a / 3, 2 * a**3 / 27 - a * b / 3 + c
-            one = mpmath.mpc(q * q / 4 + p**3 / 27) ** 0.5
-            cube = max(-q / 2 + one, -q / 2 - one, key=abs) ** (mpmath.mpf(1) / 3)
-            turns = [cube * mpmath.expjpi(mpmath.mpf(2 * k) / 3) for k in range(3)]
-            roots = [turn - p / (3 * turn) - shift for turn in turns]
-        elif a:
-            one = mpmath.mpc(b * b - 4 * a * c) ** 0.5
-            roots = [(-b + one) / (2 * a), (-b - one) / (2 * a)]
-        else:
-            roots = [mpmath.mpc(-c / b)]
+    """Positive real roots of a polynomial of at most the fourth degree, its lowest term first, in closed form."""
+    with mpmath.workdps(16 * DIGITS):  # the highest term may be tiny
+        roots = _roots(terms)
         return [x.real for x in roots if x.real > 0 and abs(x.imag) < SAME * abs(x)]
+
+
+def _roots(terms: list[Number]) -> list[Number]:
+    """All its roots, real or not."""
+    while not terms[-1]:
+        terms = terms[:-1]
+    lower = [term / terms[-1] for term in terms[:-1]]
+    return [_of_line, _of_square, _of_cubic, _of_quartic][len(lower) - 1](*lower)
+
+
+def _of_line(a: Number) -> list[Number]:
+    """The root of x + a."""
+    return [mpmath.mpc(-a)]
+
+
+def _of_square(b: Number, a: Number) -> list[Number]:
+    """Roots of x^2 + a x + b."""
+    one = mpmath.mpc(a * a / 4 - b) ** 0.5
+    return [-a / 2 + one, -a / 2 - one]
+
+
+def _of_cubic(c: Number, b: Number, a: Number) -> list[Number]:
+    """Roots of x^3 + a x^2 + b x + c, by Cardano."""
+    shift, p, q = a / 3, b - a * a / 3, 2 * a**3 / 27 - a * b / 3 + c
+    one = mpmath.mpc(q * q / 4 + p**3 / 27) ** 0.5
+    cube = max(-q / 2 + one, -q / 2 - one, key=abs) ** (mpmath.mpf(1) / 3)
+    turns = [cube * mpmath.expjpi(mpmath.mpf(2 * k) / 3) for k in range(3)]
+    return [turn - p / (3 * turn) - shift for turn in turns]
+
+
+def _of_quartic(d: Number, c: Number, b: Number, a: Number) -> list[Number]:
+    """Roots of x^4 + a x^3 + b x^2 + c x + d, by Ferrari."""
+    p, q = b - 3 * a * a / 8, c - a * b / 2 + a**3 / 8
+    r = d - a * c / 4 + a * a * b / 16 - 3 * a**4 / 256
+    m = max(_of_cubic(-q * q / 8, p * p / 4 - r, p), key=abs)
+    side, one = (2 * m) ** 0.5, q / (8 * m) ** 0.5
+    halves = [*_of_square(p / 2 + m + one, -side), *_of_square(p / 2 + m - one, side)]
+    return [half - a / 4 for half in halves]
 
 
 def _within(value: Number, low: Number, high: Number) -> bool:
@@ -137,10 +188,13 @@ def _allowed(push: Push, torque: Number) -> bool:
 
 def _rest(rows: list[Row], push: Push, depth: Number, torque: Number) -> Rest:
     grip = max(push.per_torque * torque, rows[push.least][0])
-    return Rest(depth, torque, grip, _at(rows, grip))
+    hand = at_grip(rows, grip)
+    missing = torque + hand[2] * (depth + push.twist * torque) - mpmath.mpf(push.torque)
+    assert abs(missing) <= SAME * push.torque, (push, depth, missing)
+    return Rest(depth, torque, grip, hand)
 
 
-def _at(rows: list[Row], grip: Number) -> tuple[Number, ...]:
+def at_grip(rows: list[Row], grip: Number) -> tuple[Number, ...]:
     """Inertia, damping and stiffness at a grip force: on the line between two rows, and as the end's beyond."""
     if grip <= rows[0][0]:
         return rows[0][1:]
