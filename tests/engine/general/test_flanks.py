@@ -307,7 +307,9 @@ class Script:
         patch.setattr(module, "pass_end", self.pass_end)
         patch.setattr(module, "teeth_pull", self.teeth_pull, raising=False)
 
-    def press(self, z: Any, u: float, side: int, way: int, left: float, fresh: bool, body: Body, pad: Any, slope: float) -> Any:
+    def press(
+        self, z: Any, u: float, side: int, way: int, left: float, fresh: bool, body: Body, pad: Any, slope: float
+    ) -> Any:
         assert slope == 0.0
         self.asked.append((side, way, left, fresh))
         t, end, least, *_ = self.steps[len(self.asked) - 1]
