@@ -9,9 +9,9 @@ import pytest
 from scipy.linalg import expm
 
 from hknob_cli.engine.attractors import Attractor
-from hknob_cli.engine.general.cogging import CENTRE, LENGTH
+from hknob_cli.engine.general.cogging import CENTRE, LENGTH, STABLE, UNSTABLE
 from hknob_cli.engine.general.search import PeriodSegments
-from hknob_cli.engine.general.teeth import APART, BACK, STUCK_APART, STUCK_BACK
+from hknob_cli.engine.general.teeth import APART, BACK, ON_STABLE, ON_UNSTABLE, STUCK_APART, STUCK_BACK
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.measure import general_orbit
 from hknob_cli.measure.behind import _balanced, _exponential, _refined, extremes, mesh_row
@@ -103,13 +103,17 @@ def test_teeth_apart_damp_nothing() -> None:
 
 def test_modes_say_what_moves() -> None:
     assert [regime_of(kind) for kind in (0, 1, APART, BACK, STUCK_APART, STUCK_BACK)] == [
-        (True, WALL),
-        (False, WALL),
-        (False, APART),
-        (False, BACK),
-        (True, APART),
-        (True, BACK),
+        (True, WALL, 0),
+        (False, WALL, 0),
+        (False, APART, 0),
+        (False, BACK, 0),
+        (True, APART, 0),
+        (True, BACK, 0),
     ]
+    for add, slope in ((ON_STABLE, STABLE), (ON_UNSTABLE, UNSTABLE)):
+        assert regime_of(slope) == (False, WALL, slope)
+        for teeth in (WALL, APART, BACK):
+            assert regime_of(add + teeth) == (False, teeth, slope)
     modes = np.array([0, 1, -1, APART, -BACK, STUCK_APART, -STUCK_BACK], dtype=float)
     assert ways(modes).tolist() == [0.0, 1.0, -1.0, 1.0, -1.0, 0.0, 0.0]
 

@@ -16,11 +16,18 @@ FRICTION_SETS = tuple(f"{PROOF}test_{name}_margins.py" for name in ("friction_se
 LAWS = (f"{PROOF}test_law_trial_margins.py",)
 ORBIT = ("tests/engine/orbit/",)
 FLANKS = (f"{PROOF}test_flank_rest_margins.py", f"{PROOF}test_teeth_margins.py")
-TEETH = (f"{GENERAL}test_flanks.py", *(f"{PROOF}test_teeth_{name}.py" for name in ("modes", "steps")), *FLANKS)
+TEETH_ON_SLOPES = (f"{GENERAL}test_teeth_on_slopes.py",)
+TEETH = (
+    f"{GENERAL}test_flanks.py",
+    *TEETH_ON_SLOPES,
+    *(f"{PROOF}test_teeth_{name}.py" for name in ("modes", "steps")),
+    *FLANKS,
+)
 ABSENT = (f"{GENERAL}test_as_compiled.py",)
 COG_REST = (f"{PROOF}test_cog_rest_margins.py", *ABSENT)
+COGGING_MARGINS = (f"{PROOF}test_cogging_margins.py",)
 SLOPES = (f"{GENERAL}test_slopes.py", f"{GENERAL}test_turning_points.py", *ABSENT)
-COGGING = (f"{PROOF}test_cogging_margins.py", f"{GENERAL}test_cogging.py", *SLOPES)
+COGGING = (*COGGING_MARGINS, f"{GENERAL}test_cogging.py", *SLOPES, *TEETH_ON_SLOPES)
 STANDSTILL = (
     f"{PROOF}test_standstill_margins.py",
     *COG_REST,
@@ -107,7 +114,8 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/standstill.py": STANDSTILL,
     "general/inner_region.py": (f"{PROOF}test_region_margins.py", *FLANKS, f"{GENERAL}test_inner_region.py"),
     "general/teeth.py": TEETH,
-    "general/flanks.py": TEETH,
+    "general/flanks.py": (*TEETH, f"{GENERAL}test_turning_points.py"),
+    "general/flank_rest.py": FLANKS,
     "general/parting.py": (f"{GENERAL}test_parting.py",),
     "general/jitter.py": (f"{GENERAL}test_jitter.py", *ABSENT),
     "general/powers.py": (f"{PROOF}test_power_margins.py", f"{GENERAL}test_powers.py"),
@@ -133,7 +141,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/ensemble.py": (f"{PROOF}test_general_ensemble_margins.py",),
     "general/clock_cells.py": (f"{GENERAL}test_clock_cells.py",),
     "general/cogging.py": COGGING,
-    "general/slopes.py": SLOPES,
+    "general/slopes.py": (*SLOPES, *COGGING_MARGINS),
     "general/cog_rest.py": COG_REST,
     "general/laws/period.py": (f"{PROOF}test_law_period_margins.py", *FLANKS),
     "general/laws/parting.py": (f"{GENERAL}test_parting.py",),

@@ -26,7 +26,13 @@ MOTOR: dict[str, Any] = {"winding": "shorted", "torque_constant": 0.02, "resista
 
 
 def geared(
-    friction: float = 0.0, *, wound: bool = False, lag: float = 0.0, rate_hz: float = 1000.0, **gear: Any
+    friction: float = 0.0,
+    *,
+    wound: bool = False,
+    lag: float = 0.0,
+    rate_hz: float = 1000.0,
+    cogging: dict[str, Any] | None = None,
+    **gear: Any,
 ) -> Body:
     """The iDrive's knob and a light push; ``friction``: of its motor, N·m at the shaft; ``lag``, s; ``gear``."""
     scene: dict[str, Any] = {
@@ -43,17 +49,23 @@ def geared(
         scene["motor"] = MOTOR
     if lag > 0.0:
         scene["actuator"] = {"time_constant": lag}
+    if cogging:
+        scene["cogging"] = cogging
     plain = reduced(SceneSpec.model_validate(scene).plain())
     return sample_general(plain, sample_rate_hz=rate_hz, counts_per_rev=360).body
 
 
 class Event(NamedTuple):
-    """When a mode has ended (samples), in which state, and the flank and the motor's direction from then on."""
+    """When a mode has ended (samples), in which state, and the flank and the motor's direction from then on.
+
+    ``slope``: of cogging, from then on.
+    """
 
     time: float
     state: Array
     flank: int
     way: int
+    slope: float = 0.0
 
 
 class Gear:
@@ -61,6 +73,8 @@ class Gear:
 
     Without friction the way is the sign of the motor's speed, and decides nothing.
     """
+
+    slope = 0.0  # of cogging
 
     def __init__(self, body: Body) -> None:
         self.body, n = body, body.order
@@ -156,7 +170,7 @@ class Gear:
                     low = middle
             z = self._passed(columns @ high ** np.arange(TERMS))
             self.time += high * left
-            self.events.append(Event(self.time, np.array(z[:-2]), *self.now))
+            self.events.append(Event(self.time, np.array(z[:-2]), *self.now, self.slope))
             left *= 1.0 - high
             then = expm(self.rates[self.now] * left) @ z
         self.time += left
@@ -168,7 +182,7 @@ class Gear:
     def _passed(self, z: Array) -> Array:
         """The state at the end of a mode; the next one is ``now``."""
         flank, way = self.now
-        turned, sprung = self._ends(z)
+        turned, sprung, *_ = self._ends(z)
         if sprung:
             flank = 0 if flank else 1 if self.presses(z, 1) else -1
         if turned and way != 0:
@@ -181,7 +195,7 @@ class Gear:
         self.now = flank, way
         return z
 
-    def _ends(self, z: Array) -> tuple[bool, bool]:
+    def _ends(self, z: Array) -> tuple[bool, ...]:
         flank, way = self.now
         sprung = self.mesh(z, flank) <= 0.0 if flank else self.flank_of(z) != 0
         if way == 0:

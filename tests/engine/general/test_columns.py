@@ -130,7 +130,7 @@ def test_a_hold_without_an_event_is_that_of_a_matrix_exponential(friction: float
         if not all((through @ start)[1] * v > 1e-9 for through in path):
             continue
         kept += 1
-        z, cols, marks, width = [x, v], [7.0] * 15, [9.0, 9.0, 9.0], 3
+        z, cols, marks, width = [x, v], [7.0] * 15, [9.0, 9.0, 9.0, 9.0], 3
         columns = numbers.normal(size=(2, 3))  # position, speed and command
         for c in range(2):
             cols[c * width : c * width + 2], cols[9 + c] = columns[c, :2].tolist(), float(columns[c, 2])
@@ -141,5 +141,5 @@ def test_a_hold_without_an_event_is_that_of_a_matrix_exponential(friction: float
         for c in range(2):
             through = (path[-1] @ columns[c])[:2].tolist()
             assert cols[c * width : c * width + 2] == pytest.approx(through, rel=1e-12, abs=1e-13)
-        assert marks == [9.0, abs(z[1]), 9.0]
+        assert marks == [9.0, abs(z[1]), 9.0, 9.0]
     assert kept > 30

@@ -152,7 +152,7 @@ def test_columns_are_the_derivative_and_marks_what_decides(name: str) -> None:
                 cols[c * width + i] = float(i == c)
         command = width * width
         cols[command + n] = 1.0  # the last column is that of the command itself
-        marks = [inf, inf, inf]
+        marks = [inf] * 4
         z = list(case.z)
         play_columns(z, case.u, case.span, body, case.pad, cols, command, n + 1, width, marks)
         assert case.near(z, case.end)
@@ -183,6 +183,7 @@ def test_columns_are_the_derivative_and_marks_what_decides(name: str) -> None:
 def check_marks(case: Case, marks: list[float]) -> None:
     """Distances from the friction level where that decides, a speed at the end, and the least torque of the mesh."""
     body, gear = case.body, case.gear
+    assert marks[3] == inf  # no cogging
     start = np.array([*case.z, 1.0, case.u])
     side = flank(case.z, body)
     if body.friction == 0.0:
@@ -306,19 +307,23 @@ class Script:
         patch.setattr(module, "pass_end", self.pass_end)
         patch.setattr(module, "teeth_pull", self.teeth_pull, raising=False)
 
-    def press(self, z: Any, u: float, side: int, way: int, left: float, fresh: bool, body: Body, pad: Any) -> Any:
+    def press(
+        self, z: Any, u: float, side: int, way: int, left: float, fresh: bool, body: Body, pad: Any, slope: float
+    ) -> Any:
+        assert slope == 0.0
         self.asked.append((side, way, left, fresh))
         t, end, least, *_ = self.steps[len(self.asked) - 1]
         z[0] = -float(len(self.asked))
         return t, end, least
 
-    def pass_end(self, z: Any, u: float, side: int, way: int, end: int, body: Body) -> tuple[int, int]:
+    def pass_end(self, z: Any, u: float, side: int, way: int, end: int, body: Body, slope: float) -> tuple[int, int]:
+        assert slope == 0.0
         *_, side, way, v = self.steps[len(self.asked) - 1]
         z[1] = v
         return side, way
 
-    def teeth_pull(self, z: Any, at: int, u: float, side: int, body: Body) -> float:
-        assert at == 0
+    def teeth_pull(self, z: Any, at: int, u: float, side: int, body: Body, slope: float) -> float:
+        assert (at, slope) == (0, 0.0)
         return float(self.pulls[len(self.asked)])
 
 
@@ -414,7 +419,7 @@ def test_marks_are_the_least_of_all_that_decides(monkeypatch: pytest.MonkeyPatch
         for kept in (spread, met, turned):
             kept.clear()
         script = Script(monkeypatch, flanks, COURSE, pulls)
-        marks = [inf, inf, inf]
+        marks = [inf] * 4
         play_columns([0.0, v, 0.5, 0.0], 0.0, 1.0, RUBS, [], [], 0, 1, 4, marks)
         assert script.asked == modes_of(COURSE, (1, 1), v == 0.0)
         assert spread == [(0.25, 1, 1), (0.25, 1, 0), (0.125, 0, 0), (0.125, 0, -1), (0.25, -1, -1)]
@@ -422,11 +427,11 @@ def test_marks_are_the_least_of_all_that_decides(monkeypatch: pytest.MonkeyPatch
         # At the first end it turns from 1 to a stand; the release, and what teeth do, change no rate.
         rate = pulls[1] - 1.0
         assert turned == ([-1.0] if rate else [])
-        assert marks == [least, 0.5, -1.0]
+        assert marks == [least, 0.5, -1.0, inf]
         script = Script(monkeypatch, flanks, COURSE, pulls)
-        marks = [0.0625, 0.125, -2.0]
+        marks = [0.0625, 0.125, -2.0, 0.5]
         play_columns([0.0, v, 0.5, 0.0], 0.0, 1.0, RUBS, [], [], 0, 1, 4, marks)
-        assert marks == [0.0625, 0.125, -2.0]
+        assert marks == [0.0625, 0.125, -2.0, 0.5]
 
 
 def test_a_motor_that_turns_round_changes_its_rate_by_friction_twice(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -444,10 +449,10 @@ def test_a_motor_that_turns_round_changes_its_rate_by_friction_twice(monkeypatch
     ):
         turned.clear()
         Script(monkeypatch, flanks, [(0.5, TURNED, 1.5, 1, way, 0.0), (0.5, 0, 2.5, 0, 0, 0.0)], [0.0, pull, pull])
-        marks = [inf, inf, inf]
+        marks = [inf] * 4
         play_columns(list(BEGUN), 0.0, 1.0, RUBS, [], [], 0, 1, 4, marks)
         assert turned == jumps
-        assert marks == [abs(abs(pull) - 1.0), 0.0 if way else inf, 1.5]
+        assert marks == [abs(abs(pull) - 1.0), 0.0 if way else inf, 1.5, inf]
 
 
 def test_without_friction_teeth_that_meet_are_all_that_changes_columns(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -459,11 +464,11 @@ def test_without_friction_teeth_that_meet_are_all_that_changes_columns(monkeypat
     for name in ("meet_with_friction", "turn_round"):
         monkeypatch.setattr(flanks, name, lambda *_: pytest.fail("no friction"))
     script = Script(monkeypatch, flanks, course, [0.0] * 9)
-    marks = [inf, inf, inf]
+    marks = [inf] * 4
     play_columns([0.0, 0.0, 0.5, 0.0], 0.0, 1.0, LOOSE, [], [], 0, 1, 4, marks)
     assert script.asked == modes_of(course, (1, 0), False)
     assert met == [-1]
-    assert marks == [inf, inf, -1.0]
+    assert marks == [inf, inf, -1.0, inf]
 
 
 # Columns by hand.
@@ -483,7 +488,7 @@ def test_where_teeth_meet_rates_jump_by_what_the_damper_takes() -> None:
 def test_where_teeth_meet_a_motor_that_stood_starts_by_its_neighbours_delay(monkeypatch: pytest.MonkeyPatch) -> None:
     """A difference of 3 in the mesh comes 3 / 0.5 earlier: by so much longer the motor has what pulls it now."""
     one = LOOSE._replace(pad_damping=0.25, ratio=4.0, friction=0.5)
-    monkeypatch.setattr(flanks, "teeth_pull", lambda z, at, u, side, body: (3.0 if u else -3.0) + 99.0 * at)
+    monkeypatch.setattr(flanks, "teeth_pull", lambda z, at, u, side, body, slope: (3.0 if u else -3.0) + 99.0 * at)
     for before, way, u, own in (
         (1, 1, 1.0, -0.75),
         (-1, -1, 1.0, -0.75),

@@ -167,7 +167,7 @@ def test_columns_are_the_derivative_and_marks_what_decides(name: str) -> None:
                 cols[c * width + i] = float(i == c)
         command = width * width
         cols[command + n] = 1.0  # the last column is that of the command itself
-        marks = [inf, inf, inf]
+        marks = [inf] * 4
         z = list(case.z)
         cog_columns(body.cogs, z, case.u, case.span, body, case.pad, cols, command, n + 1, width, marks)
         assert case.near(z, case.end)
@@ -212,7 +212,8 @@ def check_marks(case: Case, marks: list[float]) -> None:
         assert marks[1] == pytest.approx(abs(case.end[1]) if way != 0 else inf, **close)
     else:
         assert marks[:2] == [inf, inf]
-    assert marks[2] == pytest.approx(min(room, case.known.room()), **close)
+    assert marks[2] == inf
+    assert marks[3] == pytest.approx(min(room, case.known.room()), **close)
 
 
 # What is asked for, mode by mode: `roll` is written down.
@@ -308,7 +309,7 @@ def columns(
     u: float,
     steps: list[tuple[float, int, float, float]],
     body: Body = RUBS,
-    marks: tuple[float, float, float] = (inf, inf, inf),
+    marks: tuple[float, ...] = (inf, inf, inf, inf),
     span: float = 1.0,
 ) -> tuple[Script, list[float]]:
     script, found = Script(patch, steps), list(marks)
@@ -325,7 +326,7 @@ def test_columns_follow_the_same_modes(monkeypatch: pytest.MonkeyPatch) -> None:
                                                             ((1, 0.75), (2, 0.625), (1, 0.125)))]  # fmt: skip
         stable, unstable = (COGGED, COGGED_HALVES, True), (COGGED + 1, COGGED_HALVES + 53, True)
         assert script.spread == [(0.25, *stable), (0.125, *unstable), (0.5, *stable), (0.125, *unstable)]
-        assert marks[2] == -1.0
+        assert marks[2:] == [inf, -1.0]
     for u, way in ((0.0, 0), (3.0, 1), (-3.0, -1)):
         script, _ = columns(monkeypatch, [0.0, 0.0], u, [(1.0, 0, 0.0, 0.0)])
         assert script.asked == [(0.0, way, 1.0, way != 0)]
@@ -338,13 +339,13 @@ def test_what_torques_lack_of_friction_is_marked_where_it_decides(monkeypatch: p
     """Where the knob stands at first, and where it turns; not where it passes a corner, nor where it is released."""
     on = [(1.0, 0, 1.0, 1.0)]
     for u, mark in ((0.5, 1.5), (1.75, 0.25), (-1.75, 0.25), (2.5, 0.5), (-3.0, 1.0), (9.0, 5.0)):
-        assert columns(monkeypatch, [0.0, 0.0], u, on, marks=(5.0, inf, inf))[1][0] == mark
-        assert columns(monkeypatch, [0.0, 1.0], u, on, marks=(5.0, inf, inf))[1][0] == 5.0
+        assert columns(monkeypatch, [0.0, 0.0], u, on, marks=(5.0, inf, inf, inf))[1][0] == mark
+        assert columns(monkeypatch, [0.0, 1.0], u, on, marks=(5.0, inf, inf, inf))[1][0] == 5.0
         turned = [(0.5, TURNED, 0.0, 1e-17), (0.5, 0, 0.0, 1.0)]
-        assert columns(monkeypatch, [0.0, 1.0], u, turned, marks=(5.0, inf, inf))[1][0] == mark
-        assert columns(monkeypatch, [0.0, 0.0], 0.5, turned, marks=(5.0, inf, inf))[1][0] == 1.5  # released
-        assert columns(monkeypatch, [0.0, 0.0], u, on, PLAIN, (5.0, 6.0, inf))[1][:2] == [5.0, 6.0]
-        assert columns(monkeypatch, [0.0, 1.0], u, turned, PLAIN, (5.0, 6.0, inf))[1][:2] == [5.0, 6.0]
+        assert columns(monkeypatch, [0.0, 1.0], u, turned, marks=(5.0, inf, inf, inf))[1][0] == mark
+        assert columns(monkeypatch, [0.0, 0.0], 0.5, turned, marks=(5.0, inf, inf, inf))[1][0] == 1.5  # released
+        assert columns(monkeypatch, [0.0, 0.0], u, on, PLAIN, (5.0, 6.0, inf, inf))[1][:2] == [5.0, 6.0]
+        assert columns(monkeypatch, [0.0, 1.0], u, turned, PLAIN, (5.0, 6.0, inf, inf))[1][:2] == [5.0, 6.0]
     # At 9 on the unstable slope, of the hand's 9 and the top's 1/4.
     for u, mark in ((9.0, 1.75), (6.0, 0.75)):
         assert columns(monkeypatch, [9.0, 0.0], u, on)[1][0] == mark
@@ -380,7 +381,7 @@ def test_a_rate_that_jumps_at_a_turn_turns_the_columns(monkeypatch: pytest.Monke
 def test_a_speed_at_the_end_is_marked_beside_friction(monkeypatch: pytest.MonkeyPatch) -> None:
     for v in (0.5, -0.5):
         assert columns(monkeypatch, [0.0, 1.0], 0.0, [(1.0, 0, 1.0, v)])[1][1] == 0.5
-        assert columns(monkeypatch, [0.0, 1.0], 0.0, [(1.0, 0, 1.0, v)], marks=(inf, 0.25, inf))[1][1] == 0.25
+        assert columns(monkeypatch, [0.0, 1.0], 0.0, [(1.0, 0, 1.0, v)], marks=(inf, 0.25, inf, inf))[1][1] == 0.25
         assert columns(monkeypatch, [0.0, 0.0], 0.0, [(1.0, 0, 1.0, v)])[1][1] == inf
         assert columns(monkeypatch, [0.0, 1.0], 0.0, [(1.0, 0, 1.0, v)], PLAIN)[1][1] == inf
     for way in (1, -1):
@@ -401,8 +402,8 @@ def test_the_least_distance_to_a_corner_is_marked(monkeypatch: pytest.MonkeyPatc
         ([9.0, 1.0], [(1.0, 0, 11.0, -1.0)], 1.0),
     ):
         for body in (PLAIN, RUBS):
-            assert columns(monkeypatch, list(z), -9.0, ends, body)[1][2] == room
-            assert columns(monkeypatch, list(z), -9.0, ends, body, (inf, inf, 0.625))[1][2] == min(room, 0.625)
+            assert columns(monkeypatch, list(z), -9.0, ends, body)[1][3] == room
+            assert columns(monkeypatch, list(z), -9.0, ends, body, (inf, inf, inf, 0.625))[1][3] == min(room, 0.625)
 
 
 def test_a_chart_has_no_pieces_without_length(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -455,14 +456,14 @@ def test_a_knob_that_has_settled_is_moved_at_once(off: float, monkeypatch: pytes
         return real(*given)
 
     monkeypatch.setattr(slopes, "roll", roll)
-    z, pad, marks = [x, 0.0], [0.0] * 4, [inf] * 3
+    z, pad, marks = [x, 0.0], [0.0] * 4, [inf] * 4
     cols = [1.0, 0.0, 0.0, 1.0, 0.0, 0.0]  # of angle, speed, and the command
     cog_columns(cogs, z, u, 1.0, body, pad, cols, 2, 3, 2, marks)
     assert asked == 1
     assert z[0] == pytest.approx(x, abs=1e-11 * (1.0 + abs(x)))
     assert marks[:2] == [inf, inf]
     room = 0.375 * cogs[LENGTH]
-    assert room - 2e-11 * (1.0 + abs(x)) < marks[2] <= room
+    assert room - 2e-11 * (1.0 + abs(x)) < marks[3] <= room
 
 
 def test_what_a_settled_knob_may_move_is_no_room(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -471,13 +472,13 @@ def test_what_a_settled_knob_may_move_is_no_room(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(slopes, "far_apart", lambda *_: 1.0)
     for body, mark, mode in ((PLAIN, 2.5, FREE), (PLAIN._replace(friction=0.5), 3.0, 1), (RUBS, 3.0, 1)):
         script, marks = columns(monkeypatch, [1.0, 0.5], 0.0, [(0.5, 0, 1.0, 0.5)], body, span=0.5)
-        assert marks[2] == mark
+        assert marks[3] == mark
         assert script.asked[0][1] == mode
 
 
 def test_a_knob_that_balances_where_no_springs_hold_it_stays(monkeypatch: pytest.MonkeyPatch) -> None:
     """On the top of cogging that is stiffer than the hand: no bound says that it stays, and no torque moves it."""
     cogs = [2.0, *COGS[1:]]
-    script, marks = Script(monkeypatch, [(1.0, 0, 8.0, 0.0)]), [inf] * 3
+    script, marks = Script(monkeypatch, [(1.0, 0, 8.0, 0.0)]), [inf] * 4
     cog_columns(cogs, [8.0, 0.0], 8.0, 1.0, PLAIN._replace(cogs=cogs), [0.0] * 4, [], 0, 0, 0, marks)
     assert script.asked == [(1.0, FREE, 1.0, True)]

@@ -6,13 +6,14 @@ from random import Random
 import numpy as np
 import pytest
 
-from hknob_cli.engine.general import hysteresis, slopes
+from hknob_cli.engine.general import flanks, hysteresis, slopes
 from hknob_cli.engine.general.advance import rub_many
 from hknob_cli.engine.general.body import FIRST, Body
 from hknob_cli.engine.general.cogging import FALLEN, RISEN, TURNED
 from hknob_cli.engine.general.controller import Controller, edge_gap, read_after
 from hknob_cli.engine.general.flank_rest import flank_room
-from hknob_cli.engine.general.hysteresis import pass_still, still_in_teeth, turn_and_count, way_at_most
+from hknob_cli.engine.general.flanks import still_in_teeth
+from hknob_cli.engine.general.hysteresis import pass_still, turn_and_count, way_at_most
 from hknob_cli.engine.general.slopes import cog_many
 from hknob_cli.engine.general.teeth import flank, pressing
 
@@ -237,9 +238,9 @@ def test_how_far_a_body_moves_whose_teeth_stay_on_their_flank(side: int) -> None
         z[2], u = -body.play - z[2], -u
         z[0] = z[2] + body.play + body.ratio * u / body.finger_stiffness - body.shift - body.play
     assert flank(z, body) == side
-    moved = still_in_teeth(z, u, side, 0.5, body, pad)
+    moved = still_in_teeth(z, u, side, 0.0, 0.5, body, pad)
     assert 0.0 < moved < 0.5
-    assert still_in_teeth(z, u, side, 0.25, body, pad) == pytest.approx(0.5 * moved, rel=1e-12)
+    assert still_in_teeth(z, u, side, 0.0, 0.25, body, pad) == pytest.approx(0.5 * moved, rel=1e-12)
     far, gear = 0.0, Gear(body)
     for steps in (4, 8, 16, 24, 32):
         end, events = gear.move(z, u, steps)
@@ -249,10 +250,10 @@ def test_how_far_a_body_moves_whose_teeth_stay_on_their_flank(side: int) -> None
     room = flank_room(pressing(z, 0, side, body), body)
     for part, told in ((0.99, True), (1.01, False)):
         span = 0.5 * room / moved * part
-        assert (still_in_teeth(z, u, side, span, body, pad) < inf) is told
+        assert (still_in_teeth(z, u, side, 0.0, span, body, pad) < inf) is told
     for friction in (1e-300, 0.5, 2.0):
-        assert still_in_teeth(z, u, side, 0.5, body._replace(friction=friction), pad) == inf
-    assert still_in_teeth(z, u, 0, 0.5, body, pad) == inf
+        assert still_in_teeth(z, u, side, 0.0, 0.5, body._replace(friction=friction), pad) == inf
+    assert still_in_teeth(z, u, 0, 0.0, 0.5, body, pad) == inf
 
 
 @pytest.mark.parametrize(("body", "places"), [(FREE, 4), (TEETH["plain"], 4)])
@@ -266,7 +267,7 @@ def test_what_moves_less_than_its_roundings_is_passed_over(body: Body, places: i
         else:
             z, u = at_rest(body, still)
         side = flank(z, body)
-        most = way_at_most(z, u, 1.0, body, pad) if body is FREE else still_in_teeth(z, u, side, 1.0, body, pad)
+        most = way_at_most(z, u, 1.0, body, pad) if body is FREE else still_in_teeth(z, u, side, 0.0, 1.0, body, pad)
         size = 1.0 + abs(z[0])
         shown = read_after(z[0], np.floor(z[0]), wall)
         with pytest.MonkeyPatch.context() as patch:
@@ -329,7 +330,7 @@ def test_the_count_is_taken_where_the_motors_way_ends(monkeypatch: pytest.Monkey
 
     monkeypatch.setattr(hysteresis, "still_in_teeth", lambda *_: inf)
     monkeypatch.setattr(hysteresis, "press", press)
-    monkeypatch.setattr(hysteresis, "pass_end", lambda *_: (0, course[len(asked) - 1][2]))
+    monkeypatch.setattr(hysteresis, "pass_any_end", lambda *_: (0, course[len(asked) - 1][2], 0.0))
     for first, v, friction, fresh in (
         (1, 0.0, 2.0, True),
         (1, 0.0, 0.5, True),
@@ -356,14 +357,14 @@ def test_the_count_is_taken_where_the_motors_way_ends(monkeypatch: pytest.Monkey
 def test_which_flank_a_body_that_is_still_is_on(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its rates are those without friction on that flank; exactly the room is too far."""
     body, told = TEETH["plain"], []
-    monkeypatch.setattr(hysteresis, "teeth_rate", lambda z, u, side, way, *_: told.append((side, way)))
-    monkeypatch.setattr(hysteresis, "distance", lambda *_: 0.5)
+    monkeypatch.setattr(flanks, "teeth_rate", lambda z, u, side, way, *_: told.append((side, way)))
+    monkeypatch.setattr(flanks, "far_apart", lambda *_: 0.5)
     for room, found in ((0.25, inf), (np.nextafter(0.25, 1.0), 0.25), (0.125, inf)):
-        monkeypatch.setattr(hysteresis, "flank_room", lambda *_, room=room: room)
+        monkeypatch.setattr(flanks, "flank_room_on", lambda *_, room=room: room)
         for side in (1, -1):
             told.clear()
-            assert still_in_teeth([0.0, 0.0, 0.5, 0.0], 0.0, side, 0.5, body, [0.0] * 8) == found
+            assert still_in_teeth([0.0, 0.0, 0.5, 0.0], 0.0, side, 0.0, 0.5, body, [0.0] * 8) == found
             assert told == [(side, 0)]
         told.clear()
-        assert still_in_teeth([0.0, 0.0, 0.5, 0.0], 0.0, 0, 0.5, body, [0.0] * 8) == inf
+        assert still_in_teeth([0.0, 0.0, 0.5, 0.0], 0.0, 0, 0.0, 0.5, body, [0.0] * 8) == inf
         assert told == []

@@ -8,14 +8,16 @@ import numpy as np
 import pytest
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NOT_CAPTURED, PROVEN
-from hknob_cli.engine.general import inner_region, standstill
+from hknob_cli.engine.general import cogging, inner_region, standstill
 from hknob_cli.engine.general.body import Body, norm
-from hknob_cli.engine.general.flank_rest import held_in_teeth
+from hknob_cli.engine.general.cogging import far_apart, hold_stiffness, own_stiffness
+from hknob_cli.engine.general.flank_rest import flank_room, flank_room_on, held_in_teeth
 from hknob_cli.engine.general.laws import period, rest
 from hknob_cli.engine.general.period_map import EXPANDS, PARTS
 from hknob_cli.engine.general.standstill import SETTLING, settles
 from hknob_cli.engine.rest import AT_REST, MOVING
 from tests.engine.general.gears import Gear, geared
+from tests.engine.general.toothed import SCENES, Toothed, body_of
 
 from .test_law_period_margins import Stage, law_of, prove
 from .test_law_settling_margins import Stage as Settling
@@ -35,6 +37,11 @@ class Room:
     def __call__(self, torque: float, body: Body) -> float:
         self.asked.append(torque)
         return self.room
+
+    def on(self, cogs: Any, torque: float, x: float, body: Body) -> float:
+        """Stands in for `flank_room_on`, where there is no cogging."""
+        assert cogs is None
+        return self(torque, body)
 
 
 @pytest.mark.parametrize("play", PLAYS)
@@ -107,11 +114,11 @@ def test_a_cycle_under_a_law_is_proven_as_far_as_its_teeth_do_not_part(
     """The room of the teeth bounds the margin. No proof: an error that may part them, and a map that grows."""
     one = MESH._replace(play=play, friction=0.0)
     matrix = np.diag([0.5, -0.25, 0.25, 0.5])
-    stage = Stage(matrix, (-2.5, 0.25, 0.5, 0.5), marks=(inf, inf, 0.375))
+    stage = Stage(matrix, (-2.5, 0.25, 0.5, 0.5), marks=(inf, inf, 0.375, inf))
 
     def told(stage: Stage, room: float, law: Any = None, one: Body = one, z: Any = None) -> Any:
         asked = Room(room)
-        monkeypatch.setattr(period, "flank_room", asked)
+        monkeypatch.setattr(period, "flank_room_on", asked.on)
         found = prove(stage, law or law_of(), one=one, z=z)
         assert asked.asked == ([0.375] if one.play > 0.0 else [])
         return found
@@ -140,6 +147,88 @@ def test_a_cycle_under_a_law_is_proven_as_far_as_its_teeth_do_not_part(
     for room in (inf, 0.0):
         assert told(grows._replace(anchored=False), room, law_of(anchor=3)).status == EXPANDS
         assert told(stage._replace(anchored=False), room, law_of(anchor=3)).status == EXPANDS
+
+
+# Beside cogging.
+
+
+def test_beside_cogging_the_room_goes_by_the_springs_of_the_slope(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Springs of 4; a slope of 12 makes four times of them, and a place has twice the energy's root.
+
+    On an unstable slope a difference has less energy for its size, and the same room; where nothing holds, none.
+    """
+    monkeypatch.setattr(cogging, "SPRINGS", 0.0)
+    assert own_stiffness(MESH) == 4.0
+    stable, unstable = -2.5, 5.5
+    for torque in (2.0, 0.5):
+        room = flank_room(torque, MESH)
+        assert flank_room_on(None, torque, stable, MESH) == flank_room_on([], torque, stable, MESH) == room > 0.0
+        for slope, x, part in (
+            (12.0, stable, 0.5),
+            (12.0, unstable, 0.0),
+            (5.0, stable, 2.0 / 3.0),
+            (3.0, unstable, 1.0),
+            (3.875, unstable, 1.0),
+            (4.0, unstable, 0.0),
+            (5.0, unstable, 0.0),
+        ):
+            cogs = [slope, 8.0, -2.5, 4.0 * slope, sqrt(slope), 8.0]
+            assert flank_room_on(cogs, torque, x, MESH) == pytest.approx(part * room, rel=1e-15)
+            assert flank_room_on(cogs, -torque, x, MESH) == flank_room_on(cogs, 0.0, x, MESH) == 0.0
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_no_difference_within_the_room_takes_more_of_the_teeths_torque(name: str) -> None:
+    """By spring and damper, of any state; one takes a third of it."""
+    body = body_of(name)
+    k, c, length = body.pad_stiffness, body.pad_damping, body.cogs[cogging.LENGTH]
+    chance, seen = np.random.default_rng(3), 0
+    for x in (body.cogs[cogging.CENTRE] + 0.25 * length, body.cogs[cogging.CENTRE] + 1.25 * length):
+        if not hold_stiffness(body.cogs, x, body) > 0.0:
+            assert flank_room_on(body.cogs, 1.0, x, body) == 0.0
+            continue
+        room, most = flank_room_on(body.cogs, 1.0, x, body), 0.0
+        for _ in range(3000):
+            dz = chance.normal(size=body.order) * np.exp(chance.normal(size=body.order) * 2.0)
+            dz[0] += dz[2] * chance.choice([0.0, 1.0])  # as a knob that stands
+            most = max(most, abs(k * dz[2] + c * dz[3]) * room / far_apart(body.cogs, dz.tolist(), x, body))
+        assert 0.3 < most <= 1.0
+        seen += 1
+    assert seen >= 1
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_beside_cogging_what_is_said_to_be_held_is_held(seed: int) -> None:
+    """By the motion of the knob beside it; what cogging pulls is the triangle wave's, and as much a torque as another's.
+
+    A friction that is less than what pulls the motor at its begin holds nothing.
+    """
+    chance, asked = Random(seed), 0
+    one = body_of(list(SCENES)[seed])
+    one = one if one.friction > 0.0 else body_of("rubs")
+    gear = Toothed(one)
+    stiff = one.ratio * one.pad_stiffness + one.finger_stiffness
+    for k in range(12):
+        where = (1.0, -one.play - 1.0, -0.5 * one.play)[k % 3]
+        x = where * (stiff if k % 3 != 2 else one.finger_stiffness) / one.finger_stiffness - one.shift
+        if k % 3 == 1:
+            x += one.ratio * one.pad_stiffness * one.play / one.finger_stiffness
+        size = 10.0 ** chance.uniform(-1.5, 0.0)
+        z = [x, 0.0, where + size * chance.gauss(0, 1), size * chance.gauss(0, sqrt(stiff))]
+        u = chance.gauss(0, 1.0) + (one.pad_stiffness * (1.0, -1.0, 0.0)[k % 3])
+        gear.begin(z)
+        pull = float((gear.pulls[0] - gear.bare[1][0]) @ np.array([*z, 1.0, u]))
+        for friction in (0.125, 0.5, 2.0, 8.0, 32.0):
+            rubs = one._replace(friction=friction)
+            assert held_in_teeth(z, u, rubs, pull) == held_in_teeth(z, u + pull, rubs)
+            gear.body = rubs
+            if held_in_teeth(z, u, rubs, pull):
+                _, events = gear.move(z, u, 128)
+                assert events == []
+                assert gear.most <= friction * (1.0 + 1e-12)
+                asked += 1
+                break
+    assert asked >= 4
 
 
 # A motor that friction holds for ever.

@@ -59,7 +59,7 @@ class Stage(NamedTuple):
     guard: float = 1e9
     strength: float = 5.0
     anchored: bool = True
-    marks: tuple[float, ...] = (inf, inf, inf)
+    marks: tuple[float, ...] = (inf, inf, inf, inf)
     missed: float | None = None  # by which what fades is not back, wherever it begins; else it fades to 2
     late: tuple[float, ...] = (0.0,) * (PARTS * AGES)
     sinks: float = 0.0
@@ -354,15 +354,15 @@ def test_a_standstill_beside_cogging_has_its_spring_too() -> None:
     """The root of a slope of 4 counts the error of a place as a speed, and speeds as torques."""
     one = body(beta=1.0, alpha=1.0)._replace(cogs=[4.0, 8.0, -2.5, 16.0, 2.0, 0.0])
     law, stage = fading(weight=1.0), Stage(missed=0.001)
-    found = prove(stage._replace(marks=(inf, inf, inf)), law, one=one._replace(friction=1.0))
+    found = prove(stage._replace(marks=(inf, inf, inf, inf)), law, one=one._replace(friction=1.0))
     assert found.status == PROVEN
     wrong, _ = wrong_of(stage, law)
     speed = norm(found.space.away, one) + 2.0 * found.space.away[0] + wrong * 4
     torque = 2.0 * ((stiffness(one) + 2.0) * speed + wrong)
     for marks, status in (
-        ((1.0001 * torque, 1.0001 * speed, inf), PROVEN),
-        ((0.9999 * torque, inf, inf), AT_EVENT),
-        ((inf, 0.9999 * speed, inf), AT_EVENT),
+        ((1.0001 * torque, 1.0001 * speed, inf, inf), PROVEN),
+        ((0.9999 * torque, inf, inf, inf), AT_EVENT),
+        ((inf, 0.9999 * speed, inf, inf), AT_EVENT),
     ):
         assert prove(stage._replace(marks=marks), law, one=one._replace(friction=1.0)).status == status
 
@@ -688,7 +688,7 @@ def test_a_turn_sees_every_sample_and_every_look(monkeypatch: pytest.MonkeyPatch
     def move(past: Any, at: int, _: Any, __: Any, room: Any, count: int) -> None:
         assert (at, count) == (len(moves) % pieces * PIECE, 2)
         if not moves:
-            assert room.marks == [inf, inf, inf]
+            assert room.marks == [inf, inf, inf, inf]
             assert [room.cols[c * room.width + i] for c in range(2) for i in range(2)] == [1.0, 0.0, 0.0, 1.0]
             assert [room.cols[room.width**2 + c] for c in range(2)] == [0.0, 0.0]
         moves.append(at)

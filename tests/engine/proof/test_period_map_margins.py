@@ -32,7 +32,7 @@ class Stage(NamedTuple):
     edge: float = 0.3
     reach: float = 3.0
     pace: float = 0.5
-    marks: tuple[float, ...] = (inf, inf, inf)
+    marks: tuple[float, ...] = (inf, inf, inf, inf)
     off: float | np.ndarray = 0.0
     turned: int = 0  # by how much the delay line has gone on
     last: float | None = None  # reading, where it is no part of the map

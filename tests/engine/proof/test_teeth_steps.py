@@ -34,8 +34,8 @@ class Course:
         for name in ("told", "over_now", "stretch", "least_torque", "teeth_rate"):
             patch.setattr(teeth, name, getattr(self, name))
 
-    def teeth_rate(self, z: Any, u: float, side: int, toward: int, body: Any, out: Any) -> None:
-        assert (u, side, toward) == (7.0, *self.mode)
+    def teeth_rate(self, z: Any, u: float, side: int, toward: int, body: Any, out: Any, slope: float) -> None:
+        assert (u, side, toward, slope) == (7.0, *self.mode, self.slope)
         self.rates += 1
         out[: body.order] = self.more.get("rates", [0.0] * body.order)
 
@@ -43,6 +43,7 @@ class Course:
         assert (u, side, toward) == (7.0, *self.mode)
         self.asked.append(h)
         self.bounds.append(bounds[:3])
+        assert bounds[4] == self.slope
         return h <= next(most for time, most in reversed(self.more["told"]) if z[0] >= time)
 
     def stretch(self, z: Any, pad: Any, matrix: int, body: Any) -> None:
@@ -52,8 +53,8 @@ class Course:
         if len(self.took) == self.more.get("halts"):
             body.halt[0] = 0.5
 
-    def over_now(self, pad: Any, u: float, side: int, toward: int, body: Any) -> int:
-        assert (u, side, toward) == (7.0, *self.mode)
+    def over_now(self, pad: Any, u: float, side: int, toward: int, body: Any, slope: float) -> int:
+        assert (u, side, toward, slope) == (7.0, *self.mode, self.slope)
         if pad[body.order] > self.more["turned"]:
             return TURNED
         return SPRUNG if pad[body.order] > self.more["sprung"] else 0
@@ -65,10 +66,10 @@ class Course:
     def run(
         self, span: float = 1.0, mode: tuple[int, int] = (1, 1), table: int = HALVES, one: Any = HAND, **more: Any
     ) -> Any:
-        self.mode, self.table = mode, table
+        self.mode, self.table, self.slope = mode, table, more.get("slope", 0.0)
         self.z = [0.0, *[9.0] * (one.order - 1)]
         one = one._replace(halt=[more.get("halt", 0.0)])
-        return press(self.z, 7.0, *mode, span, more.get("fresh", False), one, [0.0] * (2 * one.order))
+        return press(self.z, 7.0, *mode, span, more.get("fresh", False), one, [0.0] * (2 * one.order), self.slope)
 
 
 def test_a_mode_is_gone_through_in_steps_that_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
