@@ -199,7 +199,7 @@ def test_no_difference_within_the_room_takes_more_of_the_teeths_torque(name: str
 
 @pytest.mark.parametrize("seed", range(4))
 def test_beside_cogging_what_is_said_to_be_held_is_held(seed: int) -> None:
-    """By the motion of the knob beside it; what cogging pulls is the triangle wave's, and as much a torque as another's.
+    """By the motion of the knob beside it; what cogging pulls is the triangle wave's, and a torque like any other.
 
     A friction that is less than what pulls the motor at its begin holds nothing.
     """
