@@ -100,3 +100,21 @@ def test_a_backlash() -> None:
     assert all(50.0 < rate < 250.0 for rate in rates), rates
     says(PAGE, "grows by 60 to 230 per second")
     says(PAGE, f"tenfold within {1e3 * log(10.0) / 230.0:.0f} to {1e3 * log(10.0) / 60.0:.0f} ms")
+
+
+@pytest.mark.long
+def test_cogging_behind_teeth_with_play() -> None:
+    found = swept(EXPERIMENTS / "gear_cogging.yaml")
+    cells, rows = _rows(found.cells), _rows(found.orbits)
+    for line, torque in zip(table(PAGE, "of four places: rest, proven"), (1e-5, 3e-5, 1e-4, 3e-4), strict=True):
+        there = [cell for cell in cells if cell["cogging.torque"] == torque]
+        assert len(there) == 4
+        rests = sum(cell["at_rest_fraction"] == 1.0 and cell["certified_fraction"] == 1.0 for cell in there)
+        moves = sum(cell["undecided_fraction"] == 1.0 for cell in there)
+        assert [int(number) for number in line[1:]] == [rests, 4 - rests - moves, moves]
+    swings = [1e3 * row["rattle_p2p_rad"] for row in rows if row["rattle_p2p_rad"] is not None]
+    assert len(swings) == 11
+    assert all(3.0 <= swing <= 6.0 for swing in swings), swings
+    says(PAGE, "the knob swings by 3 to 6 mrad")
+    assert all(1e3 * row["knob_p2p_rad"] < 2.0 for row in rows if row["outcome"] == "cycle")
+    says(PAGE, "or buzz by less than 2 mrad")
