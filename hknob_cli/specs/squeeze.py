@@ -42,7 +42,7 @@ def grip_of(scene: Scene) -> float:
     per_newton_meter = scene.squeeze.newtons_per_newton_meter
     push = scene.bias.torque if scene.bias and scene.bias.torque else 0.0
     mesh = scene.gear.stiffness if scene.gear and scene.gear.stiffness is not None else inf
-    low, high = 0.0, push / max(scene.wall.stiffness * _surface(scene), own.stiffness)  # one of the two holds it there
+    low, high = 0.0, push / own.stiffness  # there the hand holds it alone
     while low < (middle := 0.5 * (low + high)) < high:
         torque = _wall_torque(scene, middle)
         spring = hand_at(own, max(least, per_newton_meter * torque)).stiffness
@@ -91,14 +91,9 @@ def hand_at(hand: Hand, grip_n: float) -> Hand:
     return hand._replace(inertia=inertia, damping=damping, stiffness=stiffness)
 
 
-def _surface(scene: Scene) -> float:
-    """The part of its stiffness that the wall has at the surface."""
-    return scene.controller.surface if scene.controller and scene.controller.kind == "stiffening" else 1.0
-
-
 def _wall_torque(scene: Scene, depth: float) -> float:
     """Torque (N·m) of the wall at rest at a depth (rad): of its spring, or of the wall that stiffens with depth."""
-    torque, surface = scene.wall.stiffness * depth, _surface(scene)
-    if scene.controller is None or surface == 1.0:
+    torque, controller = scene.wall.stiffness * depth, scene.controller
+    if controller is None or controller.kind != "stiffening":
         return torque
-    return torque * (surface + (1.0 - surface) * min(depth / scene.controller.depth, 1.0))
+    return torque * (controller.surface + (1.0 - controller.surface) * min(depth / controller.depth, 1.0))

@@ -315,3 +315,7 @@ def test_what_does_not_change_the_torque_at_rest_does_not_change_the_grip() -> N
     plain = grip_of(planned().scene)
     for parts in ({"actuator": {"delay_samples": 0.5}}, {"controller": {"kind": "bounded_lag"}}, {"gear": RIGID}):
         assert grip_of(planned(parts).scene) == plain
+    lags = planned({"controller": {"kind": "bounded_lag"}}).scene
+    assert lags.controller is not None
+    of_another = lags.controller._replace(surface=0.3, depth=10.0)
+    assert grip_of(lags._replace(controller=of_another)) == plain
