@@ -12,7 +12,7 @@ from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general import cog_rest, cogging
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.cog_rest import is_carried, keeps_to_slope, settles_free, stays_on_slope, zone_on
-from hknob_cli.engine.general.cogging import hold_stiffness, middle_of, own_stiffness
+from hknob_cli.engine.general.cogging import far_apart, hold_stiffness, middle_of, own_stiffness
 from hknob_cli.engine.general.laws import rest as law_rest
 from hknob_cli.engine.general.laws.rest import settles_with_law
 from hknob_cli.engine.general.standstill import SETTLING, settles
@@ -108,6 +108,33 @@ def test_of_two_slopes_the_one_that_is_come_from_is_meant(exact: pytest.MonkeyPa
     assert stays_on_slope([23.5, 0.0], 0.75, 0.25, one, orbit, away) == (False, 0.5)
     assert stays_on_slope([23.5, 0.0], 0.76, 0.25, one, orbit, away) == (True, 0.5)
     assert stays_on_slope([24.5, 0.0], 9.0, -1.0, one, orbit, away) == (False, 1.5)
+
+
+@pytest.mark.parametrize("play", [0.0, 2.0**-20, 2.0])
+def test_teeth_that_may_part_prove_no_rest(exact: pytest.MonkeyPatch, play: float) -> None:
+    """The room is that of the mesh's torque at the rest, stiffness times its angle; without play none is asked."""
+    asked, room = [], [0.75]
+    exact.setattr(cog_rest, "flank_room_on", lambda *given: asked.append(given[1:]) or room[0])
+    one = BEHIND._replace(play=play, pad_stiffness=4.0, reach=1.0)
+    orbit, away = [-20.5, 0.0, 0.25, 0.0], [0.0] * 4
+    far = far_apart(COGS, [0.5, 0.0, 0.0, 0.0], -20.5, one)
+    for room[0], stays in ((far + 0.25, False), (nextafter(far + 0.25, 9.0), True), (0.0, False)):
+        found = stays_on_slope([-20.0, 0.0, 0.25, 0.0], 9.0, 0.25, one, orbit, away)
+        assert found == (stays or play == 0.0, far)
+    assert asked == ([(1.0, -20.5, one)] * 3 if play else [])
+
+
+@pytest.mark.parametrize(("play", "fate"), [(0.0, REST_ON_EDGE), (2.0**-20, MOVING)])
+def test_a_rest_on_an_edge_is_none_where_teeth_may_part(exact: pytest.MonkeyPatch, play: float, fate: int) -> None:
+    exact.setattr(cog_rest, "flank_room_on", lambda *_: 9.0)
+    exact.setattr(cog_rest, "edge_gap", lambda *_: 0.0)
+    one, balance = BEHIND._replace(play=play), 0.5 + (-20.5 + 2.0)  # its own springs are 1
+    orbit, away = [0.0] * 4, [0.0] * 4
+    settles_free(COGS, [-20.0, 0.0, 0.0, 0.0], balance, -21.0, 0.0, 0.0, one, WALL, orbit, away)
+    assert orbit[0] == -20.5
+    for place, found in ((-20.5, fate), (-20.4, MOVING)):
+        z = [place, *orbit[1:]]
+        assert settles_free(COGS, z, balance, -21.0, 0.0, 0.0, one, WALL, list(orbit), away)[0] == found
 
 
 def test_where_no_springs_hold_nothing_rests(exact: pytest.MonkeyPatch) -> None:
