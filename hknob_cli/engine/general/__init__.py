@@ -3,7 +3,7 @@
 - `body`, `controller` (encoder and wall), `torque_table`, `torque_curve` of a continuous sensor, `torque_range` of
   either far out, `jitter` of the sample clock: the scene in numbers
 - `advance` from event to event, `hysteresis` of the count on the way
-- `teeth` of a gear, one mode of their motion, `flanks` from mode to mode
+- `teeth` of a gear, one mode of their motion, `flanks` from mode to mode, `flank_rest`: how long they stay on one
 - `cogging` on one slope, `slopes` from slope to slope, `cog_rest` on one
 - `period_map` the proof, `powers` of its derivative, `bent` where a torque over the angle bends
 - `inner_region` rest that is never reached, `captured` by an orbit that is known, or back where it was
