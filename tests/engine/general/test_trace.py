@@ -55,8 +55,9 @@ def test_damping_is_on_the_counts_of_samples_alone() -> None:
 
 
 def test_a_speed_that_vanishes_at_once_is_no_piece() -> None:
+    """The smallest there is, slowed by 2: half of it is 0."""
     pieces = room(3)
-    assert chart([0.0, 1e-300], -1.25, 1.0, BARE, [0.0] * 4, 0, pieces) == 1
+    assert chart([0.0, 5e-324], -1.25, 1.0, BARE, [0.0] * 4, 0, pieces) == 1
     assert (pieces.spans[0], pieces.modes[0]) == (1.0, -1)
     # From rest under 1.25 + 0.25 - 0.5.
     assert pieces.states[2:4] == pytest.approx([-0.5, -1.0])
