@@ -135,7 +135,7 @@ class Integrated:
         return 0.0
 
     def parts(self, z: Any, u: float) -> tuple[float, float]:
-        """Torque on the motor but for friction, and acceleration of the knob, which is behind the motor by d."""
+        """Torque on the motor other than friction, and acceleration of the knob, which is behind the motor by d."""
         body, at = self.body, 4
         x, v, d, w = z[:4]
         torque = u
