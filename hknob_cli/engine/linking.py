@@ -20,7 +20,8 @@ is rarely taken: the optimiser would do it each time, and choose afterwards (`AL
 
 Numba finds the type of such a tuple in Python, number by number, at each call of an entry. That took longer than a
 short search does; here a tuple like one that was seen before has its type. While it compiles, it finds out anew for
-each sum and product which of its candidates takes two numbers: a sixth of the time. Here it is asked once.
+each sum and product which of its candidates takes two numbers: a sixth of the time. Here it is asked once. Half of
+its steps are for what the engine does not have, a tenth of the time. They are left out.
 """
 
 import contextlib
@@ -33,6 +34,21 @@ import numpy as np
 
 INLINED = ("decide", "advance_with_law", "turn_with_law", "move_piece_columns", "rub_columns")
 ALONE = ("round_to_step",)
+# Steps of numba's for what the engine does not have: `with`, closures, generators of loops, inlining in Python,
+# expressions of whole arrays. Each costs as much as one that does something.
+NEEDLESS = (
+    "WithLifting",
+    "InlineClosureLikes",
+    "RewriteDynamicRaises",
+    "MakeFunctionToJitFunction",
+    "InlineInlinables",
+    "FindLiterallyCalls",
+    "LiteralUnroll",
+    "LiteralPropagationSubPipelinePass",
+    "InlineOverloads",
+    "NopythonRewrites",
+    "DumpParforDiagnostics",
+)
 
 
 class Kinds(NamedTuple):
@@ -96,6 +112,7 @@ def kinds() -> Kinds:
     """The kinds of compiled functions."""
     from numba.core.codegen import JITCodeLibrary
     from numba.core.compiler import Compiler
+    from numba.core.compiler_machinery import PassManager
     from numba.core.environment import lookup_environment
     from numba.core.registry import CPUDispatcher
     from numba.core.types import unliteral
@@ -172,9 +189,20 @@ def kinds() -> Kinds:
         return done[::-1]
 
     class Into(Compiler):
-        """Numba's compiler, of code of another kind."""
+        """Numba's compiler, of code of another kind, without the steps that change nothing of the engine."""
 
         code: type
+
+        def define_pipelines(self) -> list[Any]:
+            """The default one, less the steps of `NEEDLESS`."""
+            (usual,) = super().define_pipelines()
+            manager, seen = PassManager("engine"), set()
+            for step, text in usual.passes:
+                if step.__name__ not in NEEDLESS and step not in seen:
+                    manager.add_pass(step, text)
+                    seen.add(step)
+            manager.finalize()
+            return [manager]
 
         def compile_extra(self, function: Callable[..., Any]) -> Any:
             self.state.library = self.code(self.state.targetctx.codegen(), function.__qualname__)

@@ -1,12 +1,14 @@
 """Functions linked into the one that Python calls: each once, in any order of calls, and nothing is left behind."""
 
 import gc
+import re
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
+from hknob_cli.engine import linking
 from hknob_cli.engine.jit import GROUPS, compiled
 from hknob_cli.engine.kept_code import load_numba
 from hknob_cli.engine.linking import ALONE, INLINED, kinds, likeness
@@ -180,6 +182,39 @@ def test_what_an_operator_returns_is_found_out_once_and_is_numbas_answer(monkeyp
     assert len(here) == len(set(here))
     monkeypatch.setattr(BaseFunction, "get_call_type", find)
     assert [plain(*pair) for pair in numbers] == [entry(*pair) for pair in numbers]
+
+
+@pytest.mark.parametrize("many", [None, np.linspace(-1.0, 1.0, 12)])
+def test_steps_that_are_left_out_change_no_instruction(many: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of loops, tuples, and a branch that is there for one type of argument."""
+    load_numba()
+
+    def first(many, x):
+        if many is None or not len(many):
+            return x
+        return many[0] * x
+
+    def walk(many, pair):
+        total = first(many, pair.one)
+        for k in range(len(pair.other)):
+            low, high = pair.other[k], abs(pair.other[k])
+            total += max(low, -high) * total if k % 2 else min(low, 3.0)
+        return total
+
+    pair, makers = Pair(0.3, np.linspace(-2.0, 5.0, 9)), kinds()
+    expected = walk(many, pair)
+    first = makers.part(first)
+
+    def instructions() -> list[str]:
+        entry = makers.entry(walk)
+        assert entry(many, pair) == expected
+        lines = entry.inspect_llvm(entry.signatures[0]).splitlines()
+        return [re.sub(r"^%\S+ = ", "", line.strip()).partition(" ")[0] for line in lines if line.startswith("  ")]
+
+    less = instructions()
+    assert len(less) > 50
+    monkeypatch.setattr(linking, "NEEDLESS", ())
+    assert instructions() == less
 
 
 @pytest.mark.parametrize("group", GROUPS)
