@@ -1,10 +1,10 @@
 """The wheel, in fresh environments in a foreign folder: oldest and newest Python, lowest and newest dependencies.
 
-In each environment all shipped specs are checked, the smoke pipeline runs in a locale that is not UTF-8, and a sweep
-runs for a user whose home does not exist. Tables must agree with the first environment's: texts and whole numbers
-exactly, other numbers within ``DIGITS``. Then the licences of what the last one has installed are listed; a licence
-that binds who uses hknob is a failure. Run by ``make matrix``. With ``--ends``, as in CI, only the lowest dependencies
-on the oldest Python and the newest on the newest.
+In each environment all shipped specs are checked, the smoke pipeline runs in a locale that is not UTF-8, a controller's
+grid is long enough to be compiled, and a sweep runs for a user whose home does not exist. Tables must agree with the
+first environment's: texts and whole numbers exactly, other numbers within ``DIGITS``. Then the licences of what the
+last one has installed are listed; a licence that binds who uses hknob is a failure. Run by ``make matrix``. With
+``--ends``, as in CI, only the lowest dependencies on the oldest Python and the newest on the newest.
 """
 
 import argparse
@@ -24,6 +24,11 @@ import pyarrow.parquet as pq
 ROOT = Path(__file__).parents[2]
 DIGITS = 1e-9  # relative: what other releases of numpy and scipy may change in fits; orbits agree to about 1e-15
 NEWEST = 20  # of Python 3, looked for
+# A grid whose engine has all that numba is asked for: functions that are inlined, or not, and a law called by address.
+COMPILED = (
+    *("--set", "starts={angle: 0.02, phases: 64}"),
+    *("--set", "scene.controller={kind: bounded_lag, keep: 0.15, time_constant: 0.2}"),
+)
 COPYLEFT = "GPL;GNU;SSPL;EUPL;CeCILL;Proprietary"
 
 
@@ -91,6 +96,11 @@ def tried(place: Path, shipped: Path) -> tuple[str, Path]:
             LC_ALL="C",
             PYTHONUTF8="0",
             PYTHONCOERCECLOCALE="0",
+            HKNOB_CACHE_DIR=cache,
+        )
+        or run(
+            [hknob, "sweep", "experiments/hand_on_knob.yaml", "-o", out / "compiled", *COMPILED],
+            folder,
             HKNOB_CACHE_DIR=cache,
         )
         or run([hknob, "sweep", one, "-o", out / "no home"], folder, HOME="/nonexistent", XDG_CACHE_HOME="")
