@@ -18,22 +18,9 @@ from hknob_cli.engine.attractors import Attractor
 from hknob_cli.scene.general_knob import GeneralKnob
 from tests import digits as mp
 
-from .general_reference import (
-    BITS,
-    COMMAND,
-    CURRENT,
-    FINGER_SPEED,
-    KNOB,
-    ONE,
-    SPEED,
-    STUCK,
-    TORQUE,
-    Bodies,
-    Control,
-    Friction,
-    build,
-    powers,
-)
+from .general_reference import Control, build
+from .reference_bodies import BITS, COMMAND, CURRENT, FINGER_SPEED, KNOB, ONE, SPEED, STUCK, TORQUE, Bodies, powers
+from .reference_friction import Friction
 
 NEAR = mp.mpf(10) ** -30  # step of the differences
 CLOSED = mp.mpf(10) ** -38  # residual, in counts, of a solved orbit

@@ -12,7 +12,9 @@ from typing import Any
 from tests import digits as mp
 from tests.controllers.reference import Law, Rig, law_of
 
-from .general_reference import KNOB, SPEED, Control, Friction, Relays, build, magnetic_damping
+from .general_reference import Control, Relays, build, magnetic_damping
+from .reference_bodies import KNOB, SPEED
+from .reference_friction import Friction
 
 # Samples of readings, at least, until a memory can have settled. Phase damping does nothing before it has seen
 # crossings, and its mean of 64 samples takes 64 log(10^36) to be what it stays.

@@ -11,9 +11,11 @@ import pytest
 from tests import digits as mp
 from tests.crosscheck.general_ivp import integrate
 
-from .general_reference import Bodies, Friction, simulate
+from .general_reference import simulate
 from .general_scenes import CASES, Case
 from .reference import build_cell
+from .reference_bodies import Bodies
+from .reference_friction import Friction
 from .scenes import hand_on_knob
 
 SAMPLES = 40

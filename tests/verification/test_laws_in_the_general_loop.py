@@ -22,9 +22,10 @@ from tests import digits as mp
 from tests.controllers.laws import CONTROLLERS, LOOP_ONLY
 
 from .general_orbits import NEAR, to_si, unknowns
-from .general_reference import Friction, build
+from .general_reference import build
 from .law_reference import Firmware, periodic_wave, run_closed, run_period, simulate_law
 from .law_scenes import Drawn, draw, reduce, search
+from .reference_friction import Friction
 
 LONGEST = 40  # samples of a period, for the time that 60 digits take
 SAMPLES = 60
