@@ -188,6 +188,7 @@ def test_what_an_operator_returns_is_found_out_once_and_is_numbas_answer(monkeyp
 def test_steps_that_are_left_out_change_no_instruction(many: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of loops, tuples, and a branch that is there for one type of argument."""
     load_numba()
+    from numba.core import typed_passes, untyped_passes
 
     def first(many, x):
         if many is None or not len(many):
@@ -213,6 +214,7 @@ def test_steps_that_are_left_out_change_no_instruction(many: Any, monkeypatch: p
 
     less = instructions()
     assert len(less) > 50
+    assert all(hasattr(typed_passes, step) or hasattr(untyped_passes, step) for step in linking.NEEDLESS)
     monkeypatch.setattr(linking, "NEEDLESS", ())
     assert instructions() == less
 

@@ -16,7 +16,7 @@ FRICTION_SETS = tuple(f"{PROOF}test_{name}_margins.py" for name in ("friction_se
 LAWS = (f"{PROOF}test_law_trial_margins.py",)
 ORBIT = ("tests/engine/orbit/",)
 FLANKS = (f"{PROOF}test_flank_rest_margins.py", f"{PROOF}test_teeth_margins.py")
-TEETH_ON_SLOPES = (f"{GENERAL}test_teeth_on_slopes.py",)
+TEETH_ON_SLOPES = tuple(f"{GENERAL}test_{name}_on_slopes.py" for name in ("teeth", "told", "flanks"))
 TEETH = (
     f"{GENERAL}test_flanks.py",
     *TEETH_ON_SLOPES,

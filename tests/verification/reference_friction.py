@@ -193,7 +193,7 @@ class Friction:
         return step
 
     def _to_event(self, left: Any, whole: bool) -> Any:
-        """Move to the next event and give the time that takes; None where there is none, having moved all ``left``."""
+        """Move to the next event: the time that takes. None if there is no event; all of ``left`` is over then."""
         bodies, mode = self.bodies, self.mode
         if mode == STUCK and not (bodies.finger or bodies.lag or bodies.torque_constant):
             return None

@@ -40,6 +40,12 @@ ABSENT: dict[str, tuple[Callable[[Any], Any], Any]] = {
     "has_gone": (lambda cogs: cogging.has_gone(cogs, [9.0, 1e9], 10.0), False),
     "cog_pull": (lambda cogs: cogging.cog_pull(cogs, 3.0), 0.0),
     "cog_number": (lambda cogs: cogging.cog_number(cogs, cogging.PEAK), 0.0),
+    "slope_of": (lambda cogs: cogging.slope_of(cogs, 3.0), 0.0),
+    "slope_pull": (lambda cogs: cogging.slope_pull(cogs, 3.0, 1.0), 0.0),
+    "cog_room": (lambda cogs: cogging.cog_room(cogs, 3.0, 1.0), inf),
+    "least_share": (lambda cogs: cogging.least_share(cogs, 1.0, 1.0), 1.0),
+    "corner_told": (lambda cogs: cogging.corner_told(cogs, 3.0, 1.0, 1.0, 1.0, 1, 1.0), True),
+    "corner_passed": (lambda cogs: cogging.corner_passed(cogs, 3.0, 1.0, 1.0), 0),
     "hold_stiffness": (lambda cogs: cogging.hold_stiffness(cogs, 3.0, ONE.body), inf),
     "far_apart": (
         lambda cogs: cogging.far_apart(cogs, [1.0, 0.5], 3.0, ONE.body),
