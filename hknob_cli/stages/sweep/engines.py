@@ -5,6 +5,7 @@ the next ones take. So are many short runs of the command: what they have interp
 """
 
 from collections.abc import Callable, Mapping
+from threading import Lock
 from typing import Any
 
 from hknob_cli.engine.attractors import PATIENCE, Patience
@@ -34,6 +35,7 @@ class Engines:
     def __init__(self, *, notify: Callable[[str], None] | None = None) -> None:
         self.functions: dict[str, dict[str, Callable[..., Any]]] = {}
         self._notify = notify
+        self._one_compiles = Lock()  # threads may want a group at the same time
         self._worth: dict[str, float] = {}
         self._interpreted_s: dict[str, float] = {}
         self._kept_s: dict[str, float] = {}  # of these seconds, those that later runs know of
@@ -43,13 +45,14 @@ class Engines:
         from hknob_cli.engine.compiling import tell, tell_compiling
         from hknob_cli.engine.jit import compiled, waiting
 
-        if group in self.functions:
-            return
-        if self._notify:
-            tell_compiling(self._notify)
-        if text := waiting(group):
-            tell(text)
-        self.functions = {**self.functions, group: compiled(group)}
+        with self._one_compiles:
+            if group in self.functions:
+                return
+            if self._notify:
+                tell_compiling(self._notify)
+            if text := waiting(group):
+                tell(text)
+            self.functions = {**self.functions, group: compiled(group)}
 
     def compile_for(self, expected: Mapping[str, float]) -> None:
         """Compile the groups whose trial-samples take the interpreter longer than that."""

@@ -1,6 +1,9 @@
 """When compiled code is worth its time, over several sweeps of one command, and that no result depends on it."""
 
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from time import sleep
+from typing import Any
 
 import pytest
 
@@ -91,6 +94,24 @@ def test_a_grid_that_is_run_again_and_again_is_compiled_in_the_end(monkeypatch: 
             run.note("plain", takes_s)
             run.keep()
     assert asked == ["plain"]
+
+
+def test_threads_that_want_a_group_at_once_compile_it_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And what is to be waited for is said once."""
+    asked: list[str] = []
+    made: list[str] = []
+
+    def compiled(group: str) -> dict[str, Any]:
+        made.append(group)
+        sleep(0.05)  # so that the others come in between
+        return {}
+
+    monkeypatch.setattr(jit, "waiting", lambda group: f"waits for {group}")
+    monkeypatch.setattr(jit, "compiled", compiled)
+    engines = Engines(notify=asked.append)
+    with ThreadPoolExecutor(4) as pool:
+        list(pool.map(engines.compile, ["laws"] * 4))
+    assert (made, asked) == (["laws"], ["waits for laws"])
 
 
 def test_what_one_sweep_has_compiled_the_next_one_takes() -> None:
