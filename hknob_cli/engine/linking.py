@@ -34,8 +34,8 @@ import numpy as np
 
 INLINED = ("decide", "advance_with_law", "turn_with_law", "move_piece_columns", "rub_columns")
 ALONE = ("round_to_step",)
-# Steps of numba's for what the engine does not have: `with`, closures, generators of loops, inlining in Python,
-# expressions of whole arrays. Each costs as much as one that does something.
+# Steps of numba's for what the engine does not have: `with`, closures, errors raised, loops over literals, inlining in
+# Python, expressions of whole arrays. Each costs as much as one that does something.
 NEEDLESS = (
     "WithLifting",
     "InlineClosureLikes",
