@@ -13,7 +13,8 @@
 - `attractors` of a cell, with their shares
 - `cells` many of them without leaving compiled code, `cell_run` as columns
 - `bounces` peaks outside the wall
-- `jit` the same source compiled, kept in an `own_folder`, `compiling` what is said of it, `linking` what is optimised
+- `jit` the same source compiled, kept in an `own_folder`, `compiling` what is said of it, `linking` what is optimised,
+  `absent` what is left out
 - `alarm` the time a cell may take
 
 One source, interpreted or compiled. Engine functions are plain Python over floats. `jit.py` compiles copies of them
@@ -21,6 +22,7 @@ with numba when a job is long enough to repay its loading (about 0.2 s). Where n
 takes many seconds; the interpreter then goes on until it has taken as long, so that a short job never waits for a
 compiler. Neither side fuses or reorders arithmetic, so results are equal to the last bit, and a test says so. The few
 functions that Python calls are optimised with all that they call; the others are only translated (`linking.py`).
+What a scene lacks is not compiled (`absent.py`).
 Compiled code is cached by a digest of the sources.
 
 Cell by cell, or many in one call (`engine/cells.py`). A sweep of many cheap cells would spend most of its time

@@ -126,7 +126,8 @@ def _source_digest() -> str:
     """Digest of the engine's sources: compiled code of another version is never taken from the cache."""
     here = Path(__file__).parent
     digest = hashlib.sha256()
-    for name in sorted({"jit", "kept_code", "linking", *(name for modules, _ in GROUPS.values() for name in modules)}):
+    compilers = ("absent", "jit", "kept_code", "linking")
+    for name in sorted({*compilers, *(name for modules, _ in GROUPS.values() for name in modules)}):
         digest.update((here / f"{name.replace('.', '/')}.py").read_bytes())
     return digest.hexdigest()[:16]
 

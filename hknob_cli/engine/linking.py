@@ -21,7 +21,9 @@ is rarely taken: the optimiser would do it each time, and choose afterwards (`AL
 Numba finds the type of such a tuple in Python, number by number, at each call of an entry. That took longer than a
 short search does; here a tuple like one that was seen before has its type. While it compiles, it finds out anew for
 each sum and product which of its candidates takes two numbers: a sixth of the time. Here it is asked once. Half of
-its steps are for what the engine does not have, a tenth of the time. They are left out.
+its steps are for what the engine does not have, a tenth of the time. They are left out. So is what LLVM does to take
+several turns of a loop at once, another tenth, in the general loop, which gains nothing by it. The plain loop takes
+trials side by side, and its sets have polygons of many corners.
 """
 
 import contextlib
@@ -32,8 +34,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from hknob_cli.engine.absent import deciding
+
 INLINED = ("decide", "advance_with_law", "turn_with_law", "move_piece_columns", "rub_columns")
 ALONE = ("round_to_step",)
+GENERAL = "hknob_cli.engine.general"
 # Steps of numba's for what the engine does not have: `with`, closures, errors raised, loops over literals, inlining in
 # Python, expressions of whole arrays. Each costs as much as one that does something.
 NEEDLESS = (
@@ -110,12 +115,14 @@ def in_haste() -> Iterator[None]:
 @cache
 def kinds() -> Kinds:
     """The kinds of compiled functions."""
+    from llvmlite.binding import create_pass_builder, create_pipeline_tuning_options
     from numba.core.codegen import JITCodeLibrary
     from numba.core.compiler import Compiler
     from numba.core.compiler_machinery import PassManager
     from numba.core.environment import lookup_environment
     from numba.core.registry import CPUDispatcher
     from numba.core.types import unliteral
+    from numba.core.untyped_passes import DeadBranchPrune
 
     types: dict[Any, Any] = {}  # by `likeness`
 
@@ -151,6 +158,8 @@ def kinds() -> Kinds:
     class EntryCode(JITCodeLibrary):
         """What is executable, with all that it calls."""
 
+        general: bool  # whether it is the general loop's
+
         def finalize(self) -> None:
             self._linking_libraries = callers_first(self._linking_libraries)
             super().finalize()
@@ -160,7 +169,14 @@ def kinds() -> Kinds:
             for function in self._final_module.functions:
                 if function.linkage.name == "linkonce_odr":
                     function.linkage = "internal"
-            super()._optimize_final_module()
+            if not self.general:
+                super()._optimize_final_module()
+                return
+            tuning = create_pipeline_tuning_options(speed_level=3)
+            tuning.loop_unrolling = tuning.loop_interleaving = False
+            tuning.loop_vectorization = tuning.slp_vectorization = False
+            builder = create_pass_builder(self._codegen._tm, tuning)
+            builder.getModulePassManager().run(self._final_module, builder)
 
         def _finalize_specific(self) -> None:
             super()._finalize_specific()
@@ -198,6 +214,9 @@ def kinds() -> Kinds:
             (usual,) = super().define_pipelines()
             manager, seen = PassManager("engine"), set()
             for step, text in usual.passes:
+                if step is DeadBranchPrune and deciding() not in seen:
+                    manager.add_pass(deciding(), "conditions that types decide")
+                    seen.add(deciding())
                 if step.__name__ not in NEEDLESS and step not in seen:
                     manager.add_pass(step, text)
                     seen.add(step)
@@ -206,6 +225,7 @@ def kinds() -> Kinds:
 
         def compile_extra(self, function: Callable[..., Any]) -> Any:
             self.state.library = self.code(self.state.targetctx.codegen(), function.__qualname__)
+            self.state.library.general = str(function.__module__).startswith(GENERAL)
             self.state.library.enable_object_caching()
             with in_haste():
                 return super().compile_extra(function)

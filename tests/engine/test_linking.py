@@ -219,6 +219,25 @@ def test_steps_that_are_left_out_change_no_instruction(many: Any, monkeypatch: p
     assert instructions() == less
 
 
+@pytest.mark.parametrize("module", ["hknob_cli.engine.ensemble", "hknob_cli.engine.sets.box", linking.GENERAL])
+def test_loops_are_taken_several_turns_at_once_where_they_gain_by_it(module: str) -> None:
+    """In the plain loop and its sets, not in the general one; the numbers are the same."""
+    load_numba()
+
+    def scale(x, k):
+        for j in range(len(x)):
+            x[j] = k * x[j] + 0.5
+        return len(x)
+
+    scale.__module__ = module
+    ones = [np.linspace(-1.0, 1.0, 37) for _ in range(2)]
+    entry = kinds().entry(scale)
+    assert entry(ones[0], 0.3) == scale(ones[1], 0.3)
+    assert np.array_equal(*ones)
+    wide = re.search(r"<\d+ x double>", entry.inspect_llvm(entry.signatures[0]))
+    assert (wide is None) == (module == linking.GENERAL)
+
+
 @pytest.mark.parametrize("group", GROUPS)
 def test_a_group_is_known_on_the_disk_by_functions_that_it_has(group: str) -> None:
     modules, entries = GROUPS[group]

@@ -228,7 +228,9 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "specs": ("specs/",),
     "hardware": ("hardware/",),
 }
-UNTRIED = tuple(f"engine/{name}" for name in ("compiling", "jit", "kept_code", "linking", "own_folder", "alarm"))
+UNTRIED = tuple(
+    f"engine/{name}" for name in ("absent", "compiling", "jit", "kept_code", "linking", "own_folder", "alarm")
+)
 # Of these files, what would take longer than all others together.
 LEFT_OUT = (
     f"{GENERAL}test_inner_region.py::test_the_share_at_rest_never_falls_with_the_limit",

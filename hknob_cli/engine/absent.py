@@ -1,0 +1,77 @@
+"""What a scene does not have, left out before it is compiled: conditions that the types of arguments decide.
+
+A part that a scene lacks is None: cogging, a curve, a clock that jitters, a law. Numba leaves out what follows
+``if law is None`` where the law is None, and only there. Where there is a law it compiles what would be done without
+one, and all that this calls. It compiles, too, what follows ``if has_cogs(body.cogs)`` without cogging. Here such
+conditions become the constants that they are, whereupon numba leaves out what they exclude.
+"""
+
+import operator
+from functools import cache
+from typing import Any
+
+HAS = ("has_cogs", "has_curve", "is_there", "jitters")  # functions that are false of None
+
+
+@cache
+def deciding() -> Any:
+    """The step of numba's compiler, which is loaded here, that does so. It belongs before `DeadBranchPrune`."""
+    from numba.core.compiler_machinery import FunctionPass, register_pass
+    from numba.core.consts import ConstantInference
+    from numba.core.ir import Arg, Assign, Const, Expr
+    from numba.core.ir_utils import get_definition, guard
+    from numba.core.types import BaseNamedTuple, NoneType, Omitted, Optional
+
+    def kind_of(ir: Any, variable: Any, args: Any) -> Any:
+        """Type of an argument, or of a field of one; None where it is not known yet."""
+        value = guard(get_definition, ir, variable)
+        if isinstance(value, Arg):
+            return args[value.index]
+        if isinstance(value, Expr) and value.op == "getattr":
+            whole = kind_of(ir, value.value, args)
+            fields = getattr(whole, "fields", ()) if isinstance(whole, BaseNamedTuple) else ()
+            if value.attr in fields:
+                return whole.types[fields.index(value.attr)]
+        return None
+
+    def answer(ir: Any, asked: Any, args: Any) -> bool | None:
+        """What an expression is by these types; None where they do not decide it."""
+        if asked.op == "call" and len(asked.args) == 1:
+            function = getattr(guard(get_definition, ir, asked.func), "value", None)
+            name = getattr(getattr(function, "py_func", None), "__name__", "")
+            absent = name in HAS and isinstance(kind_of(ir, asked.args[0], args), NoneType)
+            return False if absent else None
+        if asked.op == "binop" and asked.fn in (operator.is_, operator.is_not):
+            kind, other = kind_of(ir, asked.lhs, args), guard(get_definition, ir, asked.rhs)
+            if kind is None or isinstance(kind, Omitted | Optional) or not isinstance(other, Const):
+                return None
+            if other.value is None:
+                return isinstance(kind, NoneType) == (asked.fn is operator.is_)
+        return None
+
+    @register_pass(mutates_CFG=False, analysis_only=False)
+    class Deciding(FunctionPass):
+        """Writes constants in place of conditions that types decide."""
+
+        _name = "deciding"
+
+        def __init__(self) -> None:
+            super().__init__()  # abstract in numba
+
+        def run_pass(self, state: Any) -> bool:
+            """Whether anything has changed."""
+            ir, changed = state.func_ir, False
+            for block in ir.blocks.values():
+                for line in block.body:
+                    if not (isinstance(line, Assign) and isinstance(line.value, Expr)):
+                        continue
+                    found = answer(ir, line.value, state.args)
+                    if found is not None:
+                        line.value = Const(found, loc=line.loc)
+                        ir._definitions[line.target.name] = [line.value]
+                        changed = True
+            if changed:
+                ir._consts = ConstantInference(ir)
+            return changed
+
+    return Deciding
