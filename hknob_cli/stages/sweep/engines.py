@@ -15,13 +15,13 @@ LOADING_S = 0.5  # that time, with some room; where nothing is kept, compiling t
 HEAVIER = {
     "plain": 1.0,
     "bounces": 1.0,
-    "general": 10.0,
-    "laws": 10.0,
+    "general": 2.5,
+    "laws": 40.0,
     "sets": 1.0,
     "general sets": 20.0,
     "friction sets": 50.0,
     "unsampled": 1.0,
-}  # times that a sample takes longer than in the plain loop
+}  # times that a sample takes the interpreter longer than in the plain loop, with what is done once a trial
 
 
 def work_of(expected: Mapping[str, float]) -> float:

@@ -12,6 +12,7 @@ from hknob_cli.stages.sweep.cell import GROWTH_S, LAW_SETS, engine_group
 
 DETECTION = 300.0  # samples of a trial beyond its transient, roughly
 UNKNOWN = 2000.0  # samples of a trial of more than two states, roughly
+CORNERS = 4.0  # times that a sample takes longer where turning points, or slopes of cogging, are looked for, roughly
 BOXED = 8e6  # samples of the plain loop that take as long as a cell whose starts fill a box, at least, roughly
 BOXED_LAW = 2e5  # samples of the sets under a controller that such a cell takes, roughly
 
@@ -25,11 +26,12 @@ def expected_samples(plan: SweepPlan, cell: Cell) -> tuple[str, float]:
     if group == "bounces":
         return group, phases * cell[RATE] * (plan.growth_s or GROWTH_S)
     if (scene.hand and scene.hand.finger) or (scene.actuator and scene.actuator.time_constant):
-        return group, phases * UNKNOWN
+        return group, phases * UNKNOWN * (CORNERS if scene.cogging or scene.knob.coulomb_torque > 0.0 else 1.0)
     loop = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell.get(COUNTS, 1))).loop
     rate = slowest_rate(loop.alpha, loop.beta)
     if group == "sets" and plan.starts.many:
         return group, BOXED
     if group == LAW_SETS and plan.starts.many and scene.controller:
         return group, BOXED_LAW
-    return group, phases * (settling_samples(rate, sample_limit(rate, loop.alpha > 0.0)) + DETECTION)
+    samples = settling_samples(rate, sample_limit(rate, loop.alpha > 0.0)) + DETECTION
+    return group, phases * samples * (CORNERS if scene.cogging else 1.0)
