@@ -18,7 +18,6 @@ from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.measure.behind import extremes, knob_row, mesh_row
 from hknob_cli.measure.forms import (
     Array,
-    Forms,
     Integrals,
     hold_forms,
     integrate,
@@ -106,7 +105,7 @@ class GeneralMeasurer:
         self.knob = knob
         self.engine = engine
         self._charted: tuple[Attractor, PeriodSegments | None] | None = None
-        self._forms: dict[float, Forms] = {}
+        self._usual: set[float] = set()  # lengths of pieces of which an orbit had many
         self._integrals: dict[tuple[float, int], Integrals] = {}
 
     def harmonics(self, attractor: Attractor, highest_hz: float) -> Harmonics:
@@ -230,14 +229,14 @@ class GeneralMeasurer:
         z = np.stack([chart.states[:-1, 0] - reference, chart.states[:-1, 1], y])
         z[2, chart.modes == 0.0] = body.beta * z[0, chart.modes == 0.0]
         spans, which, counts = np.unique(chart.spans, return_inverse=True, return_counts=True)
-        whole = (pace * spans > SHORT) | (counts >= 4) | np.isin(spans, list(self._forms))
+        whole = (pace * spans > SHORT) | (counts >= 4) | np.isin(spans, list(self._usual))
         short = np.flatnonzero(~whole[which])
         parts = [_quadrature(z[:, short], chart.spans[short], body.alpha, body.beta)]
         for k in np.flatnonzero(whole):
             span, part = float(spans[k]), z[:, which == k]
-            form = self._forms.get(span) or hold_forms(body.alpha, body.beta, span)
+            form = hold_forms(body.alpha, body.beta, span)
             if counts[k] >= 4:
-                self._forms[span] = form
+                self._usual.add(span)
             sums = (form.mean @ part).sum(), (part * (form.square @ part)).sum(), (part * (form.speed @ part)).sum()
             parts.append(np.array(sums)[:, None])
         # One after another from the shortest piece on: the last digit does not depend on how they are grouped.
