@@ -3,7 +3,7 @@
 A part that a scene lacks is None: cogging, a curve, a clock that jitters, a law. Numba leaves out what follows
 ``if law is None`` where the law is None, and only there. Where there is a law it compiles what would be done without
 one, and all that this calls. It compiles, too, what follows ``if has_cogs(body.cogs)`` without cogging. Here such
-conditions become the constants that they are, whereupon numba leaves out what they exclude.
+conditions become the constants that they are, and numba leaves out what they exclude.
 """
 
 import operator
