@@ -22,8 +22,7 @@ with numba when a job is long enough to repay its loading (about 0.2 s). Where n
 takes many seconds; the interpreter then goes on until it has taken as long, so that a short job never waits for a
 compiler. Neither side fuses or reorders arithmetic, so results are equal to the last bit, and a test says so. The few
 functions that Python calls are optimised with all that they call; the others are only translated (`linking.py`).
-What a scene lacks is not compiled (`absent.py`).
-Compiled code is cached by a digest of the sources.
+What a scene lacks is not compiled (`absent.py`). Compiled code is cached by a digest of the sources.
 
 Cell by cell, or many in one call (`engine/cells.py`). A sweep of many cheap cells would spend most of its time
 between kernels. So cells that are all plain are reduced as arrays (`scene.sampled_knob.reduce_scene` is the same

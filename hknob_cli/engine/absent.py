@@ -10,7 +10,7 @@ import operator
 from functools import cache
 from typing import Any
 
-HAS = ("has_cogs", "has_curve", "is_there", "jitters")  # functions that are false of None
+HAS = ("has_cogs", "has_curve", "is_there", "jitters")  # functions of one part, false of None
 
 
 @cache
@@ -20,6 +20,7 @@ def deciding() -> Any:
     from numba.core.consts import ConstantInference
     from numba.core.ir import Arg, Assign, Const, Expr
     from numba.core.ir_utils import get_definition, guard
+    from numba.core.registry import CPUDispatcher
     from numba.core.types import BaseNamedTuple, NoneType, Omitted, Optional
 
     def kind_of(ir: Any, variable: Any, args: Any) -> Any:
@@ -37,10 +38,9 @@ def deciding() -> Any:
     def answer(ir: Any, asked: Any, args: Any) -> bool | None:
         """What an expression is by these types; None where they do not decide it."""
         if asked.op == "call" and len(asked.args) == 1:
-            function = getattr(guard(get_definition, ir, asked.func), "value", None)
-            name = getattr(getattr(function, "py_func", None), "__name__", "")
-            absent = name in HAS and isinstance(kind_of(ir, asked.args[0], args), NoneType)
-            return False if absent else None
+            called = getattr(guard(get_definition, ir, asked.func), "value", None)
+            name = called.py_func.__name__ if isinstance(called, CPUDispatcher) else ""
+            return False if name in HAS and isinstance(kind_of(ir, asked.args[0], args), NoneType) else None
         if asked.op == "binop" and asked.fn in (operator.is_, operator.is_not):
             kind, other = kind_of(ir, asked.lhs, args), guard(get_definition, ir, asked.rhs)
             if kind is None or isinstance(kind, Omitted | Optional) or not isinstance(other, Const):
@@ -65,11 +65,13 @@ def deciding() -> Any:
                 for line in block.body:
                     if not (isinstance(line, Assign) and isinstance(line.value, Expr)):
                         continue
-                    found = answer(ir, line.value, state.args)
+                    asked = line.value
+                    found = answer(ir, asked, state.args)
                     if found is not None:
-                        line.value = Const(found, loc=line.loc)
-                        ir._definitions[line.target.name] = [line.value]
-                        changed = True
+                        line.value, changed = Const(found, loc=line.loc), True
+                        # A name may be given other values elsewhere.
+                        known = ir._definitions[line.target.name]
+                        known[:] = [line.value if one is asked else one for one in known]
             if changed:
                 ir._consts = ConstantInference(ir)
             return changed

@@ -21,9 +21,9 @@ is rarely taken: the optimiser would do it each time, and choose afterwards (`AL
 Numba finds the type of such a tuple in Python, number by number, at each call of an entry. That took longer than a
 short search does; here a tuple like one that was seen before has its type. While it compiles, it finds out anew for
 each sum and product which of its candidates takes two numbers: a sixth of the time. Here it is asked once. Half of
-its steps are for what the engine does not have, a tenth of the time. They are left out. So is what LLVM does to take
-several turns of a loop at once, another tenth, in the general loop, which gains nothing by it. The plain loop takes
-trials side by side, and its sets have polygons of many corners.
+its steps are for what the engine does not have, a tenth of the time. They are left out. So is vectorising and unrolling
+in the general loop, another tenth. The plain loop gains by both: it takes trials side by side, and its sets have
+polygons of many corners.
 """
 
 import contextlib
@@ -38,7 +38,7 @@ from hknob_cli.engine.absent import deciding
 
 INLINED = ("decide", "advance_with_law", "turn_with_law", "move_piece_columns", "rub_columns")
 ALONE = ("round_to_step",)
-GENERAL = "hknob_cli.engine.general"
+SCALAR = "hknob_cli.engine.general"  # loops in here gain nothing by being vectorised or unrolled
 # Steps of numba's for what the engine does not have: `with`, closures, errors raised, loops over literals, inlining in
 # Python, expressions of whole arrays. Each costs as much as one that does something.
 NEEDLESS = (
@@ -158,7 +158,7 @@ def kinds() -> Kinds:
     class EntryCode(JITCodeLibrary):
         """What is executable, with all that it calls."""
 
-        general: bool  # whether it is the general loop's
+        scalar: bool  # whether its loops are neither vectorised nor unrolled
 
         def finalize(self) -> None:
             self._linking_libraries = callers_first(self._linking_libraries)
@@ -169,7 +169,7 @@ def kinds() -> Kinds:
             for function in self._final_module.functions:
                 if function.linkage.name == "linkonce_odr":
                     function.linkage = "internal"
-            if not self.general:
+            if not self.scalar:
                 super()._optimize_final_module()
                 return
             tuning = create_pipeline_tuning_options(speed_level=3)
@@ -225,7 +225,7 @@ def kinds() -> Kinds:
 
         def compile_extra(self, function: Callable[..., Any]) -> Any:
             self.state.library = self.code(self.state.targetctx.codegen(), function.__qualname__)
-            self.state.library.general = str(function.__module__).startswith(GENERAL)
+            self.state.library.scalar = str(function.__module__).startswith(SCALAR)
             self.state.library.enable_object_caching()
             with in_haste():
                 return super().compile_extra(function)

@@ -1,13 +1,16 @@
 """Tests of `hknob_cli.engine.absent`: what a scene lacks is not compiled, and all else is as in Python."""
 
 import importlib
+import inspect
+import re
+from types import FunctionType
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 
 from hknob_cli.engine.absent import HAS
-from hknob_cli.engine.jit import GENERAL, compiled
+from hknob_cli.engine.jit import FRICTION_SETS, GENERAL, compiled
 from hknob_cli.engine.kept_code import load_numba
 from hknob_cli.engine.linking import kinds
 
@@ -101,6 +104,36 @@ def test_a_name_that_stands_for_two_things_is_not_decided(x: float) -> None:
     assert entry(1.5, x) == changed(1.5, x)
 
 
+def kept(law, x):
+    absent = law is None
+    if x > 0.5:
+        absent = x > 0.7
+    if absent:
+        return without(x)
+    return beside(x)
+
+
+@pytest.mark.parametrize("law", [None, 1.5])
+@pytest.mark.parametrize("x", [0.25, 0.6, 0.75])
+def test_an_answer_that_is_given_a_second_time_is_not_decided_by_the_first(law: float | None, x: float) -> None:
+    entry, _ = compiled_with_its_parts(kept)
+    assert entry(law, x) == kept(law, x)
+
+
+def either(law, x):
+    both = x > 0.5 or law is not None
+    if both:
+        return beside(x)
+    return without(x)
+
+
+@pytest.mark.parametrize("law", [None, 1.5])
+@pytest.mark.parametrize("x", [0.25, 0.75])
+def test_half_of_an_answer_is_not_decided_by_the_other(law: float | None, x: float) -> None:
+    entry, _ = compiled_with_its_parts(either)
+    assert entry(law, x) == either(law, x)
+
+
 def compared(law, x):
     found = 0.0
     if law is law:
@@ -113,6 +146,15 @@ def compared(law, x):
 def test_other_questions_are_left_as_they_are() -> None:
     entry, _ = compiled_with_its_parts(compared)
     assert entry(1.5, 0.25) == compared(1.5, 0.25)
+
+
+def test_all_that_is_asked_for_a_part_is_known() -> None:
+    """Functions of the engine that take one argument, and say of None that there is nothing."""
+    modules = [importlib.import_module(f"hknob_cli.engine.{one}") for one in FRICTION_SETS]
+    functions = [one for module in modules for one in vars(module).values() if isinstance(one, FunctionType)]
+    asks = re.compile(r"if (\w+) is None:\s+return False\s+return")
+    alone = {one.__name__ for one in functions if one.__code__.co_argcount == 1 and asks.search(inspect.getsource(one))}
+    assert alone == set(HAS)
 
 
 @pytest.mark.parametrize("name", HAS)
@@ -132,9 +174,7 @@ def test_what_follows_such_a_question_is_not_compiled_without_the_part(name: str
 
     has.__name__ = name
     load_numba()
-    asked = kinds().part(has)
-    parts = [kinds().part(one) for one in (without, beside)]
-    left, right = parts
+    asked, left, right = (kinds().part(one) for one in (has, without, beside))
 
     def choose(scene, x):
         if x > 0.0 and asked(scene.part.inner):
@@ -143,7 +183,7 @@ def test_what_follows_such_a_question_is_not_compiled_without_the_part(name: str
 
     entry = kinds().entry(choose)
     assert entry(Scene(Part(0.5, None), None), 0.25) == beside(0.25)
-    assert [len(part.signatures) for part in parts] == [0, 1]
+    assert [len(part.signatures) for part in (asked, left, right)] == [0, 0, 1]
     for there in (np.zeros(0), np.ones(3)):
         assert entry(Scene(Part(0.5, there), None), 0.25) == (without(0.25) if len(there) else beside(0.25))
-    assert [len(part.signatures) for part in parts] == [1, 1]
+    assert [len(part.signatures) for part in (asked, left, right)] == [1, 1, 1]

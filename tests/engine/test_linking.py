@@ -219,8 +219,8 @@ def test_steps_that_are_left_out_change_no_instruction(many: Any, monkeypatch: p
     assert instructions() == less
 
 
-@pytest.mark.parametrize("module", ["hknob_cli.engine.ensemble", "hknob_cli.engine.sets.box", linking.GENERAL])
-def test_loops_are_taken_several_turns_at_once_where_they_gain_by_it(module: str) -> None:
+@pytest.mark.parametrize("module", ["hknob_cli.engine.ensemble", "hknob_cli.engine.sets.box", linking.SCALAR])
+def test_loops_are_vectorised_where_they_gain_by_it(module: str) -> None:
     """In the plain loop and its sets, not in the general one; the numbers are the same."""
     load_numba()
 
@@ -235,7 +235,7 @@ def test_loops_are_taken_several_turns_at_once_where_they_gain_by_it(module: str
     assert entry(ones[0], 0.3) == scale(ones[1], 0.3)
     assert np.array_equal(*ones)
     wide = re.search(r"<\d+ x double>", entry.inspect_llvm(entry.signatures[0]))
-    assert (wide is None) == (module == linking.GENERAL)
+    assert (wide is None) == (module == linking.SCALAR)
 
 
 @pytest.mark.parametrize("group", GROUPS)

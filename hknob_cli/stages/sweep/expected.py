@@ -25,13 +25,14 @@ def expected_samples(plan: SweepPlan, cell: Cell) -> tuple[str, float]:
         return group, 0.0
     if group == "bounces":
         return group, phases * cell[RATE] * (plan.growth_s or GROWTH_S)
-    if (scene.hand and scene.hand.finger) or (scene.actuator and scene.actuator.time_constant):
-        return group, phases * UNKNOWN * (CORNERS if scene.cogging or scene.knob.coulomb_torque > 0.0 else 1.0)
+    more = bool((scene.hand and scene.hand.finger) or (scene.actuator and scene.actuator.time_constant))
+    work = phases * (CORNERS if scene.cogging or (more and scene.knob.coulomb_torque > 0.0) else 1.0)
+    if more:
+        return group, work * UNKNOWN
     loop = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell.get(COUNTS, 1))).loop
     rate = slowest_rate(loop.alpha, loop.beta)
     if group == "sets" and plan.starts.many:
         return group, BOXED
     if group == LAW_SETS and plan.starts.many and scene.controller:
         return group, BOXED_LAW
-    samples = settling_samples(rate, sample_limit(rate, loop.alpha > 0.0)) + DETECTION
-    return group, phases * samples * (CORNERS if scene.cogging else 1.0)
+    return group, work * (settling_samples(rate, sample_limit(rate, loop.alpha > 0.0)) + DETECTION)
