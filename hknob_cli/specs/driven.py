@@ -7,6 +7,8 @@ from hknob_cli.specs.electrical import reduced
 from hknob_cli.specs.motor import Coil, EddyBrake, Motor
 from hknob_cli.specs.parts import Actuator, Knob, Scene, Wall
 
+BESIDE_SUPPLY = "must be absent beside motor.supply_voltage: Kt V/R is the limit"  # of actuator.torque_limit
+
 
 class Driven(NamedTuple):
     """The knob with their damping, a winding that remembers, and lag (s) and torque limit (N·m) of the amplifier."""
@@ -43,8 +45,7 @@ def driven_faults(spec: Any, knob: Any, *, virtual: bool) -> list[tuple[Place, s
     if driven.lag_s and spec.nuisances is not None and spec.nuisances.amplifier:
         found.append((("nuisances", "amplifier"), f"must be absent beside motor.{lag}, which is the lag"))
     if driven.limit_nm is not None and spec.actuator is not None and spec.actuator.torque_limit is not None:
-        text = "must be absent beside motor.supply_voltage: Kt V/R is the limit"
-        found.append((("actuator", "torque_limit"), text))
+        found.append((("actuator", "torque_limit"), BESIDE_SUPPLY))
     return found
 
 

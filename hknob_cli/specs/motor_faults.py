@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from hknob_cli.specs.driven import BESIDE_SUPPLY
 from hknob_cli.specs.part import Place
 from hknob_cli.specs.plan import Axes
 from hknob_cli.specs.scene import SceneSpec
@@ -24,8 +25,7 @@ def motor_contradictions(scene: SceneSpec, axes: Axes) -> Iterator[tuple[Place, 
         what = "L/R of the winding" if inductive else "the current loop"
         yield ("scene", "actuator", "time_constant"), f"must be absent beside {lag}: {what} is the lag"
     if asked("motor.supply_voltage", None) and asked("actuator.torque_limit", None):
-        text = "must be absent beside motor.supply_voltage: Kt V/R is the limit"
-        yield ("scene", "actuator", "torque_limit"), text
+        yield ("scene", "actuator", "torque_limit"), BESIDE_SUPPLY
     for key, windings in (
         ("inductance", ("shorted", "voltage")),
         ("bandwidth", ("current",)),

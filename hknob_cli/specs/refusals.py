@@ -37,6 +37,7 @@ _ON_A_DEVICE = {
     "backlash": ("encoder", "backlash"),
     "lag": ("actuator", "time_constant"),
 }
+NEEDS_A_WALL = "must be > 0 where a controller is given"  # of wall.stiffness
 
 
 def refusals(scene: SceneSpec, axes: Axes, columns: Sequence[str], *, people: bool = False, when: str = "") -> Faults:
@@ -163,7 +164,7 @@ def _without_wall(scene: SceneSpec, controller: Controller, axes: Axes) -> Fault
         return []
     at: Place = ("scene", "wall", "stiffness")
     if not any(getattr(scene, name) for name in OVER_ANGLE):
-        return [(at, "must be > 0 where a controller is given")]
+        return [(at, NEEDS_A_WALL)]
     if controller.kind != "velocity_damping":
         return [(at, f"must be > 0 where kind is {controller.kind}: it acts on the wall's torque")]
     found: Faults = []

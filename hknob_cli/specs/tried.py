@@ -16,7 +16,7 @@ from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.part import Part, Place
 from hknob_cli.specs.parts import Actuator, Encoder
 from hknob_cli.specs.plan import Axes
-from hknob_cli.specs.refusals import controller_faults, device_refusals
+from hknob_cli.specs.refusals import NEEDS_A_WALL, controller_faults, device_refusals
 from hknob_cli.specs.remedies import RemedySpec
 from hknob_cli.specs.source import Path_, Source
 
@@ -53,7 +53,7 @@ def acting_faults(acting: Any, given: frozenset[str], axes: Axes, *, driver: str
     if acting.actuator is not None and acting.actuator.torque_limit == 0.0:
         found.append((("actuator", "torque_limit"), "must be > 0 on a device"))
     if acting.controller is not None and acting.wall.stiffness == 0.0:
-        found.append((("wall", "stiffness"), "must be > 0 where a controller is given"))
+        found.append((("wall", "stiffness"), NEEDS_A_WALL))
     return found
 
 

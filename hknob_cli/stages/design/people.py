@@ -3,7 +3,7 @@
 How sure the answer of a search is: what it would be with other levels, other thresholds, other people.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from math import inf, isfinite, nan
 from typing import Any, NamedTuple
 
@@ -151,10 +151,15 @@ def meets(one: Judged, doubt: Doubt) -> bool:
     return True
 
 
+def rank(done: Mapping[Design, Judged], order: Mapping[Design, int]) -> Callable[[Design], tuple[float, float, int]]:
+    """What designs are ranked by: cost; of equal cost what is felt of them; then their ``order`` in the spec."""
+    return lambda one: (one.cost, done[one].felt_db, order[one])
+
+
 def answer_if(done: Mapping[Design, Judged], order: Mapping[Design, int], doubt: Doubt, most: float) -> Design | None:
     """The cheapest that is good if ``doubt`` is right; None where it costs more than ``most``, or there is none."""
     good = [design for design, one in done.items() if design.cost <= most and meets(one, doubt)]
-    return min(good, key=lambda one: (one.cost, done[one].felt_db, order[one]), default=None)
+    return min(good, key=rank(done, order), default=None)
 
 
 def redrawn(
@@ -164,9 +169,7 @@ def redrawn(
 
     Only those that cost at most ``most`` are compared: all of them have been evaluated.
     """
-    designs = sorted(
-        (one for one in done if one.cost <= most), key=lambda one: (one.cost, done[one].felt_db, order[one])
-    )
+    designs = sorted((one for one in done if one.cost <= most), key=rank(done, order))
     people = max((len(levels) for one in done.values() for _, levels in one.asked.values()), default=0)
     if not people:
         return {}

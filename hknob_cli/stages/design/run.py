@@ -17,7 +17,7 @@ from hknob_cli.specs.design_plan import DesignPlan
 from hknob_cli.spread.cores import usable_cores
 from hknob_cli.spread.forks import Forks
 from hknob_cli.stages.design.evaluate import Evaluator, Rows, evaluate_one
-from hknob_cli.stages.design.people import Judged, answer_if, judge, redrawn
+from hknob_cli.stages.design.people import Judged, answer_if, judge, rank, redrawn
 from hknob_cli.stages.design.space import Design, designs, present, relaxed, surface
 from hknob_cli.stages.lag_domain import has_domain
 from hknob_cli.stages.sweep.engines import Engines
@@ -223,7 +223,7 @@ def _good(search: _Search) -> list[Design]:
 
 def _chosen(search: _Search) -> Design | None:
     """The cheapest that is good; of equal cost the least felt."""
-    return min(_good(search), key=lambda one: (one.cost, search.done[one].felt_db, search.order[one]), default=None)
+    return min(_good(search), key=rank(search.done, search.order), default=None)
 
 
 def _next_cheaper(search: _Search, chosen: Design | None) -> Design | None:
@@ -239,7 +239,7 @@ def _front(search: _Search, chosen: Design | None) -> set[Design]:
     """
     found: set[Design] = set()
     least = inf
-    for one in sorted(_stiff(search), key=lambda one: (one.cost, search.done[one].felt_db, search.order[one])):
+    for one in sorted(_stiff(search), key=rank(search.done, search.order)):
         if search.done[one].felt_db < least and (chosen is None or one.cost <= chosen.cost):
             found.add(one)
             least = search.done[one].felt_db
