@@ -109,8 +109,10 @@ def test_a_small_file_has_a_reason() -> None:
 
 
 def loaded_by(*args: str) -> set[str]:
-    code = f"import sys; sys.argv = {['hknob', *args]!r}\nimport os; os._exit = lambda code: None\n"
-    code += "from hknob_cli.cli.main import main\nmain()\nprint('\\n'.join(sys.modules), file=sys.stderr)"
+    """What a command loads, in all its processes."""
+    code = f"import os, sys\nsys.argv, leave = {['hknob', *args]!r}, os._exit\n"
+    code += "def told(code):\n    print('\\n'.join(sys.modules), file=sys.stderr, flush=True)\n    leave(code)\n"
+    code += "os._exit = told\nfrom hknob_cli.cli.main import main\nmain()"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     return set(done.stderr.splitlines())
 
@@ -126,6 +128,15 @@ def test_a_small_sweep_loads_only_what_it_needs(tmp_path: Path) -> None:
         not {"numba", "scipy", "pandas", "matplotlib", "pint", "rich", "pyarrow.dataset", "concurrent.futures.thread"}
         & modules
     )
+
+
+def test_a_pipeline_that_is_up_to_date_loads_no_parser(tmp_path: Path) -> None:
+    spec, out = tmp_path / "one.yaml", str(tmp_path / "out")
+    spec.write_text(
+        f"kind: pipeline\nname: one\nstages: {{grid: {{spec: {ROOT / 'experiments' / 'smoke_grid.yaml'}}}}}\n"
+    )
+    assert "typer" in loaded_by("run", str(spec), "--out", out)
+    assert not {"typer", "pydantic", "numpy"} & loaded_by("run", str(spec), "--out", out)
 
 
 @pytest.mark.parametrize("command", [name for name in STAGES if name != "report"])  # it reads the claims, a spec too

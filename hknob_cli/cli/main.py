@@ -37,6 +37,16 @@ def _leave(code: int) -> NoReturn:
     os._exit(code)
 
 
+def _already_done(arguments: list[str]) -> bool:
+    """Whether there is nothing to do, and that is said."""
+    from hknob_cli.cli.run_done import already_done
+
+    try:
+        return already_done(arguments)
+    except SystemExit as leaving:
+        _leave(int(leaving.code or 0))
+
+
 def main() -> NoReturn:
     """Run the command line."""
     # Start-up: the collector would walk the modules as they load, and pydantic would open the metadata of every
@@ -50,6 +60,8 @@ def main() -> NoReturn:
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115, PTH123
         getattr(sys, name).reconfigure(errors="backslashreplace")  # a terminal may not have every letter
     arguments = sys.argv[1:]
+    if arguments[:1] == ["run"] and _already_done(arguments):
+        _leave(0)
     if handover.pays(arguments):
         _leave(handover.parse_and_run(_parse, arguments[0]))
     _parse()

@@ -1,8 +1,9 @@
 """``hknob run``: a pipeline of stages, of which only what is out of date runs."""
 
 import json
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -25,14 +26,12 @@ from hknob_cli.specs.standard_input import named
 from hknob_cli.terminal import heed, reporting, say, tell
 
 if TYPE_CHECKING:
+    from hknob_cli.cli.run_done import Stage
     from hknob_cli.pipeline.build import Outcome
     from hknob_cli.pipeline.one_claim import OneClaim
     from hknob_cli.results.changes import Change
     from hknob_cli.specs.pipeline_plan import PipelinePlan
     from hknob_cli.stages.job import Job
-
-Stage = dict[str, Any]
-_DONE = ("computed", "up to date")
 
 
 def run(
@@ -74,20 +73,12 @@ def run(
             raise UsageError(why)
         if claim is not None and until is not None:
             raise UsageError("--claim: names the stages to run itself; leave --until out")
-        from hknob_cli.cli.next_step import after_pipeline
+        from hknob_cli.cli.run_done import report
         from hknob_cli.pipeline import fresh
 
-        options = {"overrides": list(sets or ()), "until": until}
         root = out or _root(pipeline, tuple(sets or ()))
-        request = fresh.asked(pipeline, root, options)
-
-        def done_with(name: str, stages: list[Stage]) -> None:
-            _report(name, root, stages, as_json=as_json)
-            if not (as_json or quiet) and all(stage["status"] in _DONE for stage in stages):
-                files = [file for stage in stages for file in stage["files"]]
-                if step := after_pipeline(pipeline, root, tuple(sets or ()), name, until, files):
-                    tell(f"next: {step}")
-
+        request = fresh.asked(pipeline, root, fresh.options(sets or (), until))
+        done_with = partial(report, pipeline, root, sets=sets or (), until=until, as_json=as_json, quiet=quiet)
         if not (force or dry_run or explain or claim is not None):
             done = fresh.finished(root, request)
             if done is not None:
@@ -141,6 +132,8 @@ def run(
                 ]
                 fresh.write_record(root, plan.name, request, up_to_date)
         if one and done_all:
+            from hknob_cli.cli.next_step import after_pipeline
+
             step = "" if quiet else after_pipeline(pipeline, root, tuple(sets or ()), plan.name, claim, [])
             _say_verdict(one, plan.name, table, step, as_json=as_json)
         else:
@@ -166,7 +159,7 @@ def _find_claim(plan: "PipelinePlan", root: Path, asked: str, *, quiet: bool) ->
     return found
 
 
-def _say_verdict(one: "OneClaim", name: str, stages: list[Stage], step: str, *, as_json: bool) -> None:
+def _say_verdict(one: "OneClaim", name: str, stages: "list[Stage]", step: str, *, as_json: bool) -> None:
     """The verdict of a claim, where its results are, and the next ``step``."""
     row, text = one.judge()
     if as_json:
@@ -174,26 +167,6 @@ def _say_verdict(one: "OneClaim", name: str, stages: list[Stage], step: str, *, 
         return
     lines = [text, "", *(f"results: {one.folders[result]}" for result in one.results)]
     tell("\n".join([*lines, *([f"next: {step}"] if step else [])]))
-
-
-def _report(name: str, root: Path, stages: list[Stage], *, as_json: bool) -> None:
-    """What became of the stages, and where the pages are."""
-    if as_json:
-        print(json.dumps({"kind": "pipeline", "name": name, "stages": stages}))
-        return
-    counts: dict[str, int] = {}
-    for stage in stages:
-        counts[stage["status"]] = counts.get(stage["status"], 0) + 1
-    said = ", ".join(f"{count} {status}" for status, count in counts.items())
-    if not stages:
-        tell(f"{name}: no stage to run")
-        return
-    tell(f"{name}: {len(stages)} stage{'s' if len(stages) > 1 else ''}, {said}")
-    tell(f"results: {root}")
-    for stage in stages:
-        for file in stage["files"] if stage["status"] in _DONE else ():
-            if file.endswith(".html"):
-                tell(f"page: {file}")
 
 
 def _changed(outcomes: "list[Outcome]", work: "dict[str, Job]") -> "dict[str, list[Change]]":

@@ -9,12 +9,12 @@ import hashlib
 import json
 import os
 import tomllib
-from importlib.metadata import version
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from hknob_cli.results.files import create, digest, input_digest, put_in_place
-from hknob_cli.results.versions import showing_versions
+from hknob_cli.results.versions import showing_versions, version
 from hknob_cli.specs.seal import BLANK, State, sealed, state_of
 from hknob_cli.specs.size_limit import size_limit
 from hknob_cli.specs.standard_input import given, is_stdin
@@ -28,6 +28,11 @@ def asked(spec: Path, root: Path, options: dict[str, Any]) -> dict[str, Any]:
     versions = {**showing_versions(), "scipy": version("scipy")}  # which identifies hands, and draws designs
     named = str(spec) if is_stdin(spec) else relative(spec, root)
     return {"spec": named, "spec_sha256": spec_digest(spec), **options, "versions": versions}
+
+
+def options(sets: Sequence[str] = (), until: str | None = None) -> dict[str, Any]:
+    """What a command line asks for that the record must have been asked for, too."""
+    return {"overrides": list(sets), "until": until}
 
 
 def spec_digest(spec: Path) -> str:

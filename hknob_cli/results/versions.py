@@ -1,13 +1,15 @@
 """What runs: the version of the program, a digest of its source, and the libraries that results depend on.
 
-Nothing heavy is loaded: versions come from the installed packages' metadata.
+Nothing heavy is loaded: the version of a library is in the name of its metadata's folder.
 """
 
 import hashlib
+import os
 import platform
+import sys
 from collections.abc import Iterable
+from contextlib import suppress
 from functools import cache
-from importlib.metadata import version
 from pathlib import Path
 
 from hknob_cli import __version__
@@ -32,6 +34,21 @@ COMPUTING = (
 )
 SHOWING = ("report", "figures", "page")
 WORDS = "text"  # files of a stage whose name ends so only say what its results are, on the terminal
+
+
+def version(library: str) -> str:
+    """Version of an installed library. Raises `importlib.metadata.PackageNotFoundError`.
+
+    `importlib.metadata` loads parsers of mail and archives, and is asked only where no folder is named as by PEP 376.
+    """
+    for folder in sys.path:
+        with suppress(OSError):  # an archive, or nothing
+            for name in os.listdir(folder or "."):  # noqa: PTH208  # a path for each would take as long again
+                if name.startswith(f"{library}-") and name.endswith(".dist-info"):
+                    return name[len(library) + 1 : -len(".dist-info")]
+    from importlib.metadata import version as version_of
+
+    return version_of(library)
 
 
 @cache

@@ -59,6 +59,38 @@ def test_only_what_changed_runs_again(hknob, pipeline: Path, tmp_path: Path) -> 
     assert statuses(hknob("run", pipeline, "--json")) == dict.fromkeys(first, "computed")
 
 
+@pytest.mark.parametrize("there", ["nothing", "all", "no table", "no pipeline", "a folder"])
+def test_what_make_repeats_says_what_a_command_that_is_parsed_says(
+    hknob, pipeline: Path, tmp_path: Path, there
+) -> None:
+    """Once read by hand where nothing is to do, once by typer, which takes an option before the file, too."""
+    root = tmp_path / "out"
+    if there != "nothing":
+        hknob("run", pipeline, "--out", root)
+    said = []
+    for words in ((pipeline, "--out", root), ("--out", root, pipeline)):
+        if there == "no table":
+            (root / "grid" / "cells.parquet").unlink()
+        elif there == "no pipeline":
+            pipeline.unlink(missing_ok=True)
+        elif there == "a folder" and pipeline.is_file():
+            pipeline.unlink()
+            pipeline.mkdir()
+        elif there == "nothing":
+            shutil.rmtree(root, ignore_errors=True)
+        done = hknob("run", *words)
+        said.append((done.returncode, done.stdout, re.sub(r"in [0-9.]+ s", "in a while", done.stderr)))
+    assert sorted(said[0][2].splitlines()) == sorted(said[1][2].splitlines())
+    assert said[0][:2] == said[1][:2]
+    assert ("3 up to date" in said[0][1]) == (there == "all")
+
+
+@pytest.mark.parametrize("words", [("--out", " "), ("--out",), ("--out", "-q"), ("--out", "--json")])
+def test_faults_of_what_make_repeats_are_left_to_the_parser(hknob, pipeline: Path, words: tuple[str, ...]) -> None:
+    _, here, before = (hknob("run", *line) for line in ((pipeline, *words), (pipeline, *words), (*words, pipeline)))
+    assert (here.returncode, here.stdout) == (before.returncode, before.stdout)
+
+
 def test_a_comment_in_a_spec_makes_nothing_that_hangs_on_it_run(hknob, pipeline: Path) -> None:
     hknob("run", pipeline)
     (pipeline.parent / "sweep.yaml").write_text(SPEC + "# a remark\n")

@@ -19,7 +19,7 @@ from hknob_cli.hardware.tables import campaign_tables
 from hknob_cli.report.hw_run import describe_clock, describe_hw_run, hw_run_text
 from hknob_cli.report.pulses import describe_pulses, pulses_text
 from hknob_cli.report.remedies_tried import describe_tried
-from hknob_cli.results.versions import source_digest
+from hknob_cli.results.versions import source_digest, version
 from hknob_cli.specs.campaign import REPLAY, SERIAL
 from hknob_cli.specs.named_file import digest_of, inside
 from hknob_cli.specs.pulses import PulsePlan
@@ -82,8 +82,6 @@ class HwRunWork(Work):
 
     def surroundings(self) -> dict[str, str]:
         """The drivers and the firmware, and SciPy, which measures."""
-        from importlib.metadata import version
-
         return {"hknob_hardware": source_digest((HARDWARE,)), "scipy": version("scipy")}
 
     def versions(self, job: Job) -> dict[str, str]:

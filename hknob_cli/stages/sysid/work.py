@@ -7,6 +7,7 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.errors import UsageError
+from hknob_cli.results.versions import version
 from hknob_cli.specs.named_file import digest_of
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.sysid.against import check_of, describe_truth, truth_path, truth_table
@@ -85,8 +86,6 @@ class SysidWork(Work):
 
     def surroundings(self) -> dict[str, str]:
         """SciPy smooths and solves."""
-        from importlib.metadata import version
-
         return {"scipy": version("scipy")}
 
     def versions(self, job: Job) -> dict[str, str]:
