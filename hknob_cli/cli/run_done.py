@@ -23,7 +23,7 @@ def already_done(arguments: Sequence[str]) -> bool:
     Raises `SystemExit` where it was interrupted, or what it has to say cannot be written.
     """
     match arguments:
-        case ["run", spec, "--out", out] if not (spec.startswith("-") or out.startswith("-")) and out.strip():
+        case ["run", spec, "--out" | "-o", out] if not (spec.startswith("-") or out.startswith("-")) and out.strip():
             pipeline, root = Path(spec), Path(out)
         case _:
             return False
