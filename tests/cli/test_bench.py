@@ -74,6 +74,7 @@ def test_up_to_date_and_summary(hknob, spec_file) -> None:
     assert "forced" in hknob("bench", spec, "-o", "out", "--force", "--dry-run").stdout
 
 
+@pytest.mark.long
 def test_a_run_stops_at_its_limit(hknob, spec_file) -> None:
     text = TINY.replace("settings:", "limits: {seconds_per_run: 0.05}\nsettings:").replace("  checked", "  # checked")
     sets = ("--set", "methods=[rk23]", "--set", "base.duration=100")
@@ -93,6 +94,7 @@ def test_a_method_that_flies_off_has_failed(hknob, spec_file) -> None:
         assert row["reason"]
 
 
+@pytest.mark.long
 def test_a_missing_reference_is_named(hknob, spec_file, tmp_path: Path) -> None:
     (tmp_path / "mpmath.py").write_text("raise ImportError('not here')\n")
     path = os.pathsep.join(filter(None, [str(tmp_path), os.environ.get("PYTHONPATH")]))

@@ -32,6 +32,7 @@ def versions(path: Path) -> dict[str, str]:
     return json.loads(pq.read_schema(path).metadata[b"hknob.provenance"])["versions"]
 
 
+@pytest.mark.long
 def test_a_sweep_of_a_design(hknob, spec_file, tmp_path: Path) -> None:
     path = spec_file(DESIGN)
     assert "sweep 'small', 16 cells: good" in hknob("check", path).stdout

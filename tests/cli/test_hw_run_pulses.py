@@ -117,6 +117,7 @@ def test_sysid_finds_the_hand_that_was_simulated(done, hknob, tmp_path: Path) ->
         assert fit["coulomb_nm"] == pytest.approx(0.56e-3, rel=0.02)
 
 
+@pytest.mark.long
 def test_an_unfired_trial_is_left_out_by_sysid_and_said(hknob, tmp_path: Path) -> None:
     (tmp_path / "weak.yaml").write_text(SPEC.replace("rise: 0.2", "rise: 0.2, strength: 2.0 N"))
     run = hknob("hw-run", tmp_path / "weak.yaml", "-o", tmp_path / "weak")

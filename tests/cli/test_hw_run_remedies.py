@@ -78,6 +78,7 @@ def test_every_remedy_is_tried_once_in_every_cell_in_a_mixed_order(done) -> None
     assert [row["remedy"] for row in trials] == [one.remedy for one in trials_of(planned(TRIED))]
 
 
+@pytest.mark.long
 def test_a_trial_says_what_acted_in_it(done) -> None:
     folder, _ = done
     plan = planned(TRIED)
@@ -284,6 +285,7 @@ def test_what_goes_with_remedies_alone(hknob, tmp_path: Path, key: str) -> None:
     assert f"{key.partition(':')[0]}: must be absent without remedies" in done.stderr
 
 
+@pytest.mark.long
 def test_what_cannot_be_compared_is_said_before_a_trial(done, hknob, tmp_path: Path) -> None:
     folder, _ = done
     two = COMPUTED.replace("hands: {pinch: {table: 1, grip_n: 0.71}}", "hands: {a: {table: 1, grip_n: 0.71}, b: {}}")

@@ -45,6 +45,7 @@ def arranged(folder: Path, url: str, **changes: str) -> tuple[object, ...]:
     return "hw-run", folder / "spec.yaml", "-o", folder / "out"
 
 
+@pytest.mark.long
 def test_a_device_is_recorded_once(hknob, tmp_path: Path) -> None:
     with PtyTarget(MANNERS) as pretended:
         arguments = arranged(tmp_path, pretended.url)
@@ -85,6 +86,7 @@ def test_a_device_is_recorded_once(hknob, tmp_path: Path) -> None:
     assert (tmp_path / "out" / "samples.parquet").exists()
 
 
+@pytest.mark.long
 def test_results_can_be_made_again_without_the_device(hknob, tmp_path: Path) -> None:
     with PtyTarget(MANNERS) as pretended:
         arguments = arranged(tmp_path, pretended.url)
@@ -119,6 +121,7 @@ def test_nobody_answers(hknob, tmp_path: Path) -> None:
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.long
 def test_a_campaign_that_found_no_device_stands_in_nobodys_way(hknob, tmp_path: Path) -> None:
     assert hknob(*arranged(tmp_path, "/dev/hknob-that-is-not-there")).returncode == 4
     with PtyTarget(MANNERS) as pretended:
@@ -154,6 +157,7 @@ def test_killed_what_was_received_is_there(hknob, tmp_path: Path) -> None:
     assert np.array_equal(kept["running"], known.running)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_interrupted_the_torque_is_off_at_once(tmp_path: Path, kind: signal.Signals) -> None:
     with PtyTarget(MANNERS) as pretended:

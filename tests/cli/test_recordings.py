@@ -7,6 +7,7 @@ import pytest
 from tests.conftest import EXPERIMENTS
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["grip_pulse_finger", "stiff_wall", "short_contact_analog"])
 def test_trajectories_are_drawn(hknob, tmp_path: Path, name: str) -> None:
     """A pulse without a wall, a torque with a scale of its own, and one on the scale of the motion."""

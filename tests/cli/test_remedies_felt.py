@@ -13,6 +13,7 @@ BLOCK = "perceive: {knob_radius: 8.9 mm, extrapolate: true}\n"
 GAIN = "perceive: {knob_radius: 8.9 mm, extrapolate: true, sound_gain: 0.02 Pa/(rad/s)}\n"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("block", "heard"), [(BLOCK, "hearing_relative"), (GAIN, "hearing")])
 def test_levels_of_remedy_and_reference_and_their_difference(hknob, spec_file, tmp_path: Path, block, heard) -> None:
     done = hknob("remedies", spec_file(FELT + block), "-o", "out", "--plot")

@@ -244,6 +244,7 @@ def test_an_experiment_named_twice_is_recorded_once(hknob, spec_file, tmp_path: 
     assert [row["trials"] for row in found] == [9] * len(found)
 
 
+@pytest.mark.long
 def test_bad_specs(hknob, spec_file) -> None:
     for text, wanted in (
         ("kind: sysid\nname: a\n", "needs recordings, or virtual to make some"),

@@ -36,6 +36,7 @@ def identified(hknob, folder: Path, text: str, *more: str):
     return hknob("sysid", folder / "hand.yaml", "-o", folder / "hand", *more)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("average", ["false", "true"])
 def test_errors_are_estimates_less_the_truth(hknob, tmp_path: Path, campaign: Path, average: str) -> None:
     """Every number once more from the two tables of trials, by grip and trial; of an average the mean of both."""

@@ -170,6 +170,7 @@ def test_a_continuous_record_taken_for_a_pulse_says_what_to_do(hknob, spec_file,
     assert "excitation: continuous" in first
 
 
+@pytest.mark.long
 def test_a_gap_in_a_record_is_the_reason_that_is_said_first(hknob, spec_file, tmp_path: Path) -> None:
     write(tmp_path / "run.csv")
     lines = (tmp_path / "run.csv").read_text().splitlines()

@@ -55,6 +55,7 @@ def test_a_lag_left_out_is_taken_for_inertia(hknob, spec_file, tmp_path: Path) -
     assert found[1e-4] > 1.6
 
 
+@pytest.mark.long
 def test_studies_that_cannot_be(hknob, spec_file, tmp_path: Path) -> None:
     for old, new, wanted in (
         (

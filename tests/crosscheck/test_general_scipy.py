@@ -40,6 +40,7 @@ def test_friction_and_finger(case: Case) -> None:
     assert np.array_equal(got.velocity_rad_s == 0, run.stuck)
 
 
+@pytest.mark.long
 def test_a_stiff_finger_hides_its_inertia() -> None:
     """Section 4.4.1: a second-order fit of the fourth-order response has the motor's inertia, and its own B_T, K_T.
 

@@ -178,6 +178,7 @@ def test_what_is_not_run_is_there() -> None:
     assert [begin for begin in NOT_RUN if not any(one.startswith(begin) for one in there)] == []
 
 
+@pytest.mark.long
 def test_python_of_the_page_on_results_runs(tmp_path: Path) -> None:
     (tmp_path / "experiments").symlink_to(ROOT / "experiments")
     page = ROOT / "docs" / "howto" / "read_results.md"

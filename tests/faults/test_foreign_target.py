@@ -115,6 +115,7 @@ def test_torque_beyond_the_limit_that_was_agreed_is_noticed(hknob, tmp_path: Pat
     assert "the torque is beyond the limit of 0.005 N m, at sample " in done.stderr
 
 
+@pytest.mark.long
 def test_checksums_that_are_all_wrong_are_called_so(hknob, tmp_path: Path) -> None:
     said = run(hknob, tmp_path, "all-crcs-wrong")
     assert re.search(
@@ -122,6 +123,7 @@ def test_checksums_that_are_all_wrong_are_called_so(hknob, tmp_path: Path) -> No
     )
 
 
+@pytest.mark.long
 def test_blocks_sent_twice_cost_nothing(hknob, tmp_path: Path) -> None:
     with foreign_target("--fault", "repeats-samples") as url:
         done = hknob(*arranged(tmp_path, url))

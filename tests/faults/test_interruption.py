@@ -160,6 +160,7 @@ def heeds(process: subprocess.Popen[str], kind: signal.Signals) -> bool:
     return bool(int(caught.split()[1], 16) >> (kind - 1) & 1)
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform != "linux", reason="looks at what a process does on signals in /proc")
 def test_signals_at_any_instant_of_the_start(spec_file, tmp_path: Path) -> None:
     """A signal to the whole group, while one process parses and the other loads: one line, and 130."""

@@ -86,6 +86,7 @@ def test_kill_at_random_instants(tmp_path: Path) -> None:
     assert len(finished_before_a_kill) >= 3, "kills hit between stages, not all in one place"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
 def test_interruption_exits_130_and_keeps_what_is_finished(kind: signal.Signals, tmp_path: Path) -> None:
     (tmp_path / "busy.yaml").write_text(BUSY)

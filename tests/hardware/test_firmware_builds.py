@@ -235,6 +235,7 @@ def test_detents_and_stops_are_those_of_the_virtual_device(target: Target, built
     assert torques.max() > 0.008  # of the stop, which no detent has
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("text", [SPEC, HELD])
 def test_the_emulated_target_fires_the_pulse_of_a_grip(text: str, built: Path) -> None:
     """In its own time: the same counts, torques and grips as the virtual device, for a whole trial."""

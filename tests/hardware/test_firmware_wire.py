@@ -178,6 +178,7 @@ def test_one_turned_bit_is_noticed() -> None:
             assert unstuffed(bytes(turned)) == b""
 
 
+@pytest.mark.long
 def test_100000_frames_that_are_none_and_50000_that_are(tmp_path: Path) -> None:
     """With address and undefined-behaviour sanitizers, where the compiler has them."""
     program = tmp_path / "stormy_line"

@@ -77,6 +77,7 @@ def test_a_campaign_without_a_grip_cell(hknob, tmp_path: Path) -> None:
     assert 0.1 <= rows[0]["settled_s"] < 0.2
 
 
+@pytest.mark.long
 def test_the_angle_is_zero_where_the_knob_is_when_the_port_is_opened(hknob, tmp_path: Path) -> None:
     """The simulated knob rests at 0.02 rad, which is 52 counts of 16384, and 0 once it was made the zero."""
     angles = []
@@ -133,6 +134,7 @@ def test_a_campaign_under_a_controller_is_refused_before_anything_is_armed(hknob
     assert not (tmp_path / "out" / "trials.parquet").exists()
 
 
+@pytest.mark.long
 def test_its_knob_moves_as_the_virtual_one(hknob, tmp_path: Path) -> None:
     """Sample by sample over the first swings: from the same rest, on an encoder of as many counts."""
     with foreign_target() as url:

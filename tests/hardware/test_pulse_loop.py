@@ -35,6 +35,7 @@ def truth(text: str, number: int, fired_at: int) -> SecondOrder:
     return hand_at(squeeze, float(grip_of(squeeze, np.array([fired_at * DT]), None)[0]))
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("number", [1, 3])
 @pytest.mark.parametrize("name", CASES)
 def test_the_motion_is_that_of_the_apparatus(name: str, number: int) -> None:

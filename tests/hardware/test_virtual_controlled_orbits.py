@@ -46,7 +46,7 @@ def samples_of(orbit: Attractor, text: str, rate: int, counts: int) -> np.ndarra
     return np.floor([found.knob.angle_rad(x) / QUANTUM for x in states[:-1, 0]])
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize(("rate", "counts"), [(1000, 256), (2000, 512), (4000, 1024), (1000, 1024)])
 @pytest.mark.parametrize("text", CONTROLLERS)
 def test_a_trial_settles_on_a_proven_orbit(text: str, rate: int, counts: int) -> None:

@@ -67,6 +67,7 @@ def test_a_fixed_parameter_is_held_and_the_others_are_found(name: str) -> None:
     assert any("does not fit" in flag for flag in wrong.flags)
 
 
+@pytest.mark.long
 def test_intervals_of_a_running_motor_hold_the_truth() -> None:
     """Of 200 intervals at 95 % the share has a standard deviation of 1.5 %."""
     rng = np.random.default_rng(1)

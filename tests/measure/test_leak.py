@@ -28,6 +28,7 @@ def test_parts_add_up_to_the_work_of_the_wall(main_grid) -> None:
             assert min(parts) >= -1e-12 * max(parts)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("rate", "counts"), [(464.0, 4096), (1000.0, 1024), (215.0, 8192)])
 def test_split_is_that_of_the_motion_in_time(rate: float, counts: int) -> None:
     """Sums of torque times distance over a recorded period, each piece told by where the knob is and what acts.

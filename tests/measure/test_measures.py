@@ -103,6 +103,7 @@ def test_several_extrema_in_one_interval() -> None:
         assert theta.std() == pytest.approx(measures.rms_rad, rel=1e-3)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("delay", [0.12, 0.3, 0.5, 0.7, 0.88, 1.23])
 @pytest.mark.parametrize("rate", [15.0, 20.0, 31.0])
 def test_extrema_with_a_delay_that_splits_ringing_holds(rate: float, delay: float) -> None:

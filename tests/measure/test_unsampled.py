@@ -61,6 +61,7 @@ SCENES = {
 }
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", SCENES)
 @pytest.mark.parametrize("angle", [0.02, 0.0123456, 0.0033])
 def test_energy_of_a_million_bounces(name: str, angle: float, functions: Any) -> None:

@@ -29,6 +29,7 @@ def opened(browser: Any, address: str) -> Iterator[Opened]:
         assert opened.said == []
 
 
+@pytest.mark.long
 def test_it_asks_for_itself_only_and_says_nothing(opened: Opened, address: str) -> None:
     opened.tab.mouse.wheel(0, 50_000)
     opened.tab.wait_for_timeout(200)
@@ -157,6 +158,7 @@ def test_nobody_is_barred(browser: Any, address: str, scheme: str, viewport: dic
         assert opened.said == []
 
 
+@pytest.mark.long
 def test_nothing_is_wider_than_a_phone(browser: Any, address: str) -> None:
     with Opened(browser, address, viewport=PHONE) as opened:
         tab = opened.tab

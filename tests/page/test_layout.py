@@ -112,6 +112,7 @@ def test_the_policy_names_its_style_and_script_and_nothing_else_has_any(laid: st
     assert not [name for _, given in Tree(laid).elements for name in given if name.startswith("on")]
 
 
+@pytest.mark.long
 def test_numbers_come_first_and_lead_to_where_they_are_from() -> None:
     tiles = (Tile("4 of 9", "cells buzz", "predict"), Tile("3 mrad", "largest", "nowhere"))
     laid = lay_out(page()._replace(tiles=tiles))

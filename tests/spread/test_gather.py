@@ -25,6 +25,7 @@ from hknob_cli.spread.gather import GROWTH, MOST, SECONDS, SHORTEST, Pace, Range
 from hknob_cli.spread.processes import Done, Processes, Work, timed
 
 
+@pytest.mark.long
 @given(st.integers(0, 200), st.integers(1, 250), st.data())
 def test_every_item_once(total: int, part: int, data: st.DataObject) -> None:
     cuts = sorted(data.draw(st.sets(st.integers(0, total), max_size=6)))

@@ -119,6 +119,7 @@ def test_many_random_scenes_against_an_integrator() -> None:
     assert sum(compared(seed) for seed in range(12, 80)) >= 40
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("changes", [{}, {"mesh_damping": 0.0}])
 def test_a_trial_at_60_digits(changes: dict[str, float]) -> None:
     """Some 64 roundings of an angle in a sample, which grow as two of the model's own motions part."""
@@ -242,6 +243,7 @@ def test_a_knob_pressed_into_the_wall_rests_on_one_flank() -> None:
     assert any(one.outcome is Outcome.REST and one.certified for one in cell.found)
 
 
+@pytest.mark.long
 def test_chaos_is_what_two_motions_do() -> None:
     """The exponent of the derivative against a neighbour, brought back to 1e-9 counts after every sample (Benettin).
 

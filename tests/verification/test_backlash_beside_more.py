@@ -57,7 +57,7 @@ def geared(controller: str, *, push: float = 3e-4, rate_hz: float = 1000.0, **mo
     return Drawn(controller, ("play",), scene, rate_hz, 360)
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize(
     "controller", ["bounded lag", "damping, sensor", "damping, differenced", "impulse, short", "speed, tracked"]
 )
@@ -88,6 +88,7 @@ def test_proven_cycles_beside_a_controller_on_one_flank() -> None:
         assert np.array(other) == pytest.approx(np.array(found[0]), rel=1e-9)
 
 
+@pytest.mark.long
 def test_cycles_through_the_play_beside_a_controller() -> None:
     """They close in the engine's own motion, and what the torque puts in is taken: by dampers, and teeth that relax."""
     parted = 0

@@ -286,6 +286,7 @@ def test_trials_that_are_proven_to_rest_do_so_by_the_integrator() -> None:
     assert checked >= 4
 
 
+@pytest.mark.long
 def test_proven_cycles_draw_what_is_said_to_come_to_them() -> None:
     """From random states within the margin of a proven cycle's deepest sample, by the energy with cogging's spring."""
     chance, checked = Random(1), 0

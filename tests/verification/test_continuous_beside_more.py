@@ -67,6 +67,7 @@ def check(seeds: list[int]) -> Counter[str]:
     return found
 
 
+@pytest.mark.long
 def test_proven_beside_cogging() -> None:
     """And not proven where a corner is passed."""
     found = check([9, 11, 13, 15, 17, 19, 25, 31, 33])
@@ -75,6 +76,7 @@ def test_proven_beside_cogging() -> None:
     assert found["COGS"] >= 2, found
 
 
+@pytest.mark.long
 def test_proven_beside_teeth_that_press() -> None:
     """And not proven where they part."""
     found = check([16, 24, 34])
@@ -99,6 +101,7 @@ BESIDE = {
 }
 
 
+@pytest.mark.one_in(7)
 @pytest.mark.parametrize("jitter", [0.05, 0.33, 0.9])
 @pytest.mark.parametrize("name", BESIDE)
 def test_rest_whatever_the_intervals_are(name: str, jitter: float) -> None:

@@ -166,6 +166,7 @@ def check(seeds: range) -> Counter[str]:
     return found
 
 
+@pytest.mark.long
 def test_proven_orbits_and_rests_are_those_of_the_model() -> None:
     found = check(range(60))
     assert found["bent"] >= 3, found
@@ -243,6 +244,7 @@ def displaced(case: Case, knob: GeneralKnob, one: Attractor) -> Counter[str]:
     return found
 
 
+@pytest.mark.long
 def test_what_is_proven_to_come_to_an_orbit_comes_to_it() -> None:
     """From as far as the proof reaches, which is nowhere so far that it goes elsewhere."""
     engine, found, bent = interpreted(), Counter[str](), 0

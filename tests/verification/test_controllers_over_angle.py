@@ -50,7 +50,7 @@ def compare(drawn: list[Drawn]) -> tuple[int, int]:
     return trials, cycles
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(16)
 @pytest.mark.parametrize("controller", ORDER)
 def test_beside_a_wall(controller: str) -> None:
     trials, _ = compare(shaped(controller, 3, seed=5))

@@ -36,6 +36,7 @@ def last_swing(plant: WorkingEdge, torque, *, bias: float, seed: int, samples: i
     return float(np.ptp(seen[-fifth:]) / np.ptp(seen[:fifth]))
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("bias", [0.0, 1e-3])
 @pytest.mark.parametrize("name", ["tsypkin", "tsai_colgate", "miller"])
 @pytest.mark.parametrize("plant", PLANTS.values(), ids=PLANTS)

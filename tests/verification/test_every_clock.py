@@ -32,6 +32,7 @@ def bound_of(knob: GeneralKnob, angle: float = 0.02, velocity: float = 0.0, seco
     return None if found is None else found / knob.quantum_rad
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     ("jitter", "rate", "counts", "tight"),
     [(0.01, 1000.0, 1024, 0.9), (0.05, 1000.0, 1024, 0.8), (0.2, 1000.0, 1024, 0.65), (0.05, 464.0, 1024, 0.6)],
@@ -94,6 +95,7 @@ def check_random(number: int) -> str:
     return "swings"
 
 
+@pytest.mark.long
 def test_random_scenes() -> None:
     found = [check_random(number) for number in range(8)]
     assert found.count("none") <= 2

@@ -240,6 +240,7 @@ HEAVY = {**YIELDING, "knob": {"inertia": 2e-5, "damping": 1e-4}, "actuator": {"d
 ORBITS = [(YIELDING, 1000.0, 360), (YIELDING, 2000.0, 100), (HEAVY, 1000.0, 360)]
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("scene", "rate", "counts"), ORBITS)
 def test_proven_cycles_are_the_models(scene: dict[str, Any], rate: float, counts: int) -> None:
     """The 60-digit model runs into a cycle of the list, with its period and the swings of motor and knob."""

@@ -210,7 +210,7 @@ SCENES: dict[str, tuple[dict[str, Any], Any]] = {
 }
 
 
-@pytest.mark.one_in(6)
+@pytest.mark.one_in(18)
 @pytest.mark.parametrize("name", SCENES)
 def test_proven_cycles(general: GeneralEngine, name: str) -> None:
     parts, clocks = SCENES[name]

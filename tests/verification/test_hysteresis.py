@@ -105,7 +105,7 @@ ORBITS = [
 ]  # fmt: skip
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize(("one", "samples"), ORBITS, ids=lambda one: one.name if isinstance(one, Case) else "")
 def test_a_proven_cycle_is_what_the_model_settles_to(one: Case, samples: int) -> None:
     plain = SceneSpec.model_validate(one.scene).plain()
@@ -186,6 +186,7 @@ def test_beside_virtual_damping_without_a_controller() -> None:
             assert abs(sample.angle - angle) < 1e-40
 
 
+@pytest.mark.long
 def test_proven_cycles_beside_a_controller() -> None:
     _, cycles = check_controlled(with_hysteresis("bounded lag", 12, seed=32))
     assert cycles >= 2

@@ -82,7 +82,7 @@ CASES = [
 ]
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(15)
 @pytest.mark.parametrize(("hand", "coulomb", "lag"), CASES)
 def test_a_pulse_through_a_lag_against_friction_is_that_of_forty_digits(hand: Any, coulomb: float, lag: float) -> None:
     with mp.workdps(DIGITS):
@@ -93,7 +93,7 @@ def test_a_pulse_through_a_lag_against_friction_is_that_of_forty_digits(hand: An
     assert np.max(np.abs(ours - true)) <= BOUND * np.max(np.abs(true))
 
 
-@pytest.mark.one_in(9)
+@pytest.mark.one_in(27)
 @pytest.mark.parametrize("seed", range(24))
 def test_jumps_through_a_lag_against_friction_are_those_of_forty_digits(seed: int) -> None:
     """Turns, stops and releases within a sample, many of them; lags from a fifth of a sample to thirty of them."""

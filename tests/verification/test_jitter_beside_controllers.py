@@ -63,6 +63,7 @@ def run(made: LawKnob, samples: int = SAMPLES) -> np.ndarray:
     return np.array(found)
 
 
+@pytest.mark.one_in(12)
 @pytest.mark.parametrize("jitter", [0.1, 0.9])
 @pytest.mark.parametrize("name", EVERY)
 def test_every_sample(name: str, jitter: float) -> None:
@@ -125,6 +126,7 @@ RESTING: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("jitter", [0.05, 0.6])
 @pytest.mark.parametrize("name", RESTING)
 def test_trials_that_are_proven_to_rest_do_so_in_the_model(name: str, jitter: float) -> None:

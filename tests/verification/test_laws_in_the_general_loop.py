@@ -161,7 +161,7 @@ def check_orbit(one: Drawn, made: Any, engine: LawEngine, orbit: Attractor) -> t
     return worst, worst / orbit.bound
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize("controller", ORDER)
 def test_trials(controller: str) -> None:
     errors = [check_trial(one) for one in scenes(controller, 3)]
@@ -188,12 +188,13 @@ def balance(made: Any, engine: LawEngine, orbit: Attractor, one: Drawn) -> None:
     assert abs(found.wall_work_j - lost) <= 1e-9 * abs(lost), one
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(12)
 @pytest.mark.parametrize("controller", sorted(CONTROLLERS))
 def test_proven_cycles(controller: str) -> None:
     assert proven(controller, 4), "no proven cycle: nothing was tested"
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("controller", ["bounded lag", "damping, sensor", "matched wall", "speed, tracked"])
 @pytest.mark.parametrize("winding", ["shorted", "voltage"])
 def test_a_winding_beside_a_controller(controller: str, winding: str) -> None:

@@ -101,6 +101,7 @@ def holds_to_the_bounds(case: Case) -> bool:
     return True
 
 
+@pytest.mark.long
 def test_every_sample_of_random_scenes() -> None:
     compared = sum(holds_to_the_bounds(random_case(seed)) for seed in range(16))
     assert compared >= 12

@@ -92,6 +92,7 @@ def test_far_corners() -> None:
     check([(alpha, beta, t) for alpha in [0.0, *sizes] for beta in [0.0, *sizes] for t in TIMES])
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("t", TIMES)
 def test_near_critical_damping(t: float) -> None:
     """alpha^2 = 4 beta (1 +- 10^-k) and equality: where the two roots meet."""

@@ -73,7 +73,7 @@ def compare(controller: str, count: int, seed: int) -> None:
     assert any(samples > 10 and moved > 1e-3 for samples, moved in found), "nothing was tested"
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(16)
 @pytest.mark.parametrize("controller", ORDER)
 def test_every_sample_is_the_models(controller: str) -> None:
     compare(controller, 3, seed=21)

@@ -20,6 +20,7 @@ def few(tmp_path_factory: pytest.TempPathFactory) -> Listed:
     return Listed.read(sweep(tmp_path_factory.mktemp("few") / "out", *READINGS["0.04-half"], *FEW))
 
 
+@pytest.mark.long
 def test_every_end_is_listed(few: Listed) -> None:
     """Of 10,000 random starts of each of four cells; shares are as likely as chance has it."""
     for number in range(len(few.cells)):

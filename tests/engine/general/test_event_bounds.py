@@ -61,6 +61,7 @@ def shares(name: str, mode: int) -> list[float]:
     return found
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", SCENES)
 @pytest.mark.parametrize("mode", [-1, 0, 1])
 def test_nothing_bends_more_than_its_bound(name: str, mode: int) -> None:

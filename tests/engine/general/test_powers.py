@@ -52,6 +52,7 @@ def test_the_sum_solves_lyapunovs_equation(name: str, scale: float) -> None:
     np.testing.assert_allclose(solved - a.T @ solved @ a, np.eye(n), atol=1e-6 + 1e-13 * size)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("scale", SCALES)
 @pytest.mark.parametrize("name", MAPS)
 def test_no_later_difference_leaves_the_ellipse(name: str, scale: float) -> None:

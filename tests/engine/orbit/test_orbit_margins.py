@@ -187,6 +187,7 @@ def turns(
                 yield (1 if speeds[k] > 0.0 else -1), at(i, low)[0]
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("lengths", [(1.0,), (0.375, 0.625)])
 @pytest.mark.parametrize(
     ("alpha", "beta"), [(0.3, 0.5), (0.1, 30.0), (0.5, 200.0), (3.0, 1.0), (0.2, pi**2), (0.6, 12.0)]

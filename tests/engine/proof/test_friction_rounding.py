@@ -5,6 +5,7 @@ from math import cos, pi, sin, sqrt
 from typing import Any
 
 import mpmath as mp
+import pytest
 
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller, command
@@ -157,6 +158,7 @@ def test_a_state_is_moved_to_within_the_bound() -> None:
     assert 1.0 / 500.0 < worst < 1.0 / 250.0  # 256 units are many
 
 
+@pytest.mark.long
 def test_every_state_of_a_set_is_in_what_becomes_of_it_to_within_the_bound() -> None:
     """Corners and states between them, of sets that slide, stop, turn round and are cut."""
     chance, worst, cut = random.Random(2), mp.mpf(0), 0

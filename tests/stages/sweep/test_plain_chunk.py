@@ -236,6 +236,7 @@ def test_every_end_is_told_alike(functions: Functions, name: str) -> None:
     assert {(outcome, WORDS[reason]) for outcome, reason in ends} <= told
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ENDS)
 def test_every_end_of_every_phase_is_told_alike(arc_functions: Functions, name: str) -> None:
     """Also where arcs cannot be cut, and 64 phases are sampled."""

@@ -81,6 +81,7 @@ def test_a_number_that_is_wrong_is_noticed(table: int) -> None:
         assert nearly_same(rows_of(whole, 2, cells), other) is near
 
 
+@pytest.mark.long
 def test_a_worker_that_lies_ends_the_run(tmp_path: Path) -> None:
     """And one that does not leaves the same bytes, however much is computed again."""
     spec = tmp_path / "spec.yaml"

@@ -32,6 +32,7 @@ def test_every_start_in_the_ranges(few: Listed) -> None:
     assert sum(len(rows) for rows in few.orbits) > len(few.cells)
 
 
+@pytest.mark.long
 def test_another_list_is_told(few: Listed) -> None:
     """The comparison can fail: an orbit too few, one too many, one that is a little off, starts left over."""
     proof, said = prove_cell(few, 1)
@@ -52,6 +53,7 @@ def test_another_list_is_told(few: Listed) -> None:
     assert differences(few, 1, proof) == ["starts are left"]
 
 
+@pytest.mark.long
 def test_listed_orbits_alone(tmp_path: Path) -> None:
     """All orbits of a cell are proven from their samples; with the samples of another one they are not."""
     settings = (*READINGS["0.04-half"], "grid.sample_rate_hz=[1000]", "grid.counts_per_rev=[512]", "basins={points: 2}")

@@ -120,9 +120,9 @@ def move_all(
     return done
 
 
-@pytest.mark.one_in(4)
-@pytest.mark.parametrize("turn", range(4))
-@settings(deadline=None, max_examples=150, phases=[Phase.explicit, Phase.reuse, Phase.generate])
+@pytest.mark.one_in(16)
+@pytest.mark.parametrize("turn", range(16))
+@settings(deadline=None, max_examples=40, phases=[Phase.explicit, Phase.reuse, Phase.generate])
 @given(**SETS)
 def test_no_state_is_lost(
     turn: int, body: Body, corners: list[float], x: float, v: float, a: float, u: float, seed: int

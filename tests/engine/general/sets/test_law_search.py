@@ -151,7 +151,7 @@ def follow_trials(made: LawKnob, law: Law, length: int, trials: int) -> None:
         assert abs(one.trials - count / trials) < 6 / 24
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(16)
 @pytest.mark.parametrize(("name", "parts"), CASES + ESTIMATES)
 def test_phases_end_where_trials_end(name: str, parts: dict[str, Any]) -> None:
     """Of 24 trials, each on an orbit or in a rest that is listed."""

@@ -130,7 +130,7 @@ SHAPED = {
 }
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(12)
 @pytest.mark.parametrize("damping", [0.0, 1e-3])
 @pytest.mark.parametrize("rounding", ["floor", "ceil", "truncate"])
 @pytest.mark.parametrize("name", SHAPED)
