@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from hknob_cli.stages.job import Job
 
 # What the work of every stage needs beside its own module.
-_ALSO = ("hknob_cli.cli.stage_run", "filelock")
+_ALSO = ("hknob_cli.cli.stage_run", "filelock", "numpy.ma")  # the last is what pyarrow loads to make an array
 
 _pipe: BinaryIO | None = None
 
@@ -131,6 +131,9 @@ def _load_and_wait(modules: tuple[str, ...], read: int) -> bytes:
     for module in modules:
         with uninterrupted():
             import_module(module)
+    from hknob_cli.results.versions import computing_versions
+
+    computing_versions()  # is kept: any stage asks for it, when nothing can be done beside it
     with os.fdopen(read, "rb") as pipe:
         return pipe.read()
 

@@ -9,6 +9,8 @@ from threading import Lock
 from typing import Any
 
 from hknob_cli.engine.attractors import PATIENCE, Patience
+from hknob_cli.engine.compiling import COMPILING_S, tell, tell_compiling
+from hknob_cli.engine.jit import compiled, interpreted_s, is_kept, note_interpreted, waiting
 
 COMPILE_ABOVE = 600_000  # trial-samples; the interpreter does as many in the time that loading compiled code takes
 LOADING_S = 0.5  # that time, with some room; where nothing is kept, compiling takes many times as long
@@ -42,9 +44,6 @@ class Engines:
 
     def compile(self, group: str) -> None:
         """Have the compiled functions of a group."""
-        from hknob_cli.engine.compiling import tell, tell_compiling
-        from hknob_cli.engine.jit import compiled, waiting
-
         with self._one_compiles:
             if group in self.functions:
                 return
@@ -67,8 +66,6 @@ class Engines:
 
     def keep(self) -> None:
         """Let later runs know how long this one has interpreted, where it took longer than loading compiled code."""
-        from hknob_cli.engine.jit import is_kept, note_interpreted
-
         for group, seconds in self._interpreted_s.items():
             new = seconds - self._kept_s.get(group, 0.0)
             if new > LOADING_S and group in HEAVIER and not is_kept(group):
@@ -91,9 +88,6 @@ class Engines:
 
     def _compiler_s(self, group: str) -> float:
         """Seconds that it takes to have compiled code of a group: to load it, or to make it, less those interpreted."""
-        from hknob_cli.engine.compiling import COMPILING_S
-        from hknob_cli.engine.jit import interpreted_s, is_kept
-
         if group not in self._worth:
             left = 0.0 if is_kept(group) else COMPILING_S[group] - interpreted_s(group)
             self._worth[group] = max(LOADING_S, left)
