@@ -85,7 +85,7 @@ def test_work_that_takes_longer_than_compiling_is_compiled_at_once(
     monkeypatch.setattr(Engines, "compile", lambda self, group: asked.append(group))
     monkeypatch.setattr(SweepStage, "_results", lambda self, some, expected: iter(()))
     for kept in (True, False):
-        monkeypatch.setattr(jit, "is_kept", lambda _group="plain", kept=kept: kept)
+        monkeypatch.setattr(engines, "is_kept", lambda _group="plain", kept=kept: kept)
         stage = SweepStage(loaded(ONE_CELL.replace("[1000]", "{log: [500, 5000, 12]}")), jobs=1)
         assert stage.expected[GROUP] * engines.HEAVIER[GROUP] > engines.COMPILE_ABOVE
         stage._find(None)

@@ -37,6 +37,8 @@ from tests.hardware.pulses import HELD, SPEC, planned
 from tests.hardware.test_virtual_trials_of_the_engine import SAMPLES, Case, engine_trial
 from tests.hardware.trials import HAND
 
+pytestmark = pytest.mark.long  # compilers, an emulator, and programs in real time
+
 SETTINGS = Settings(1_000_000, 1024, 0.27, 1e-5, 0.05, 100.0, 50_000, 5)
 PERSON = Simulated(
     *(2.2e-6, 3.45e-4, 0.04, 2e-4, 0.02, 0.0012, 0.71, 0.1, 0.125),

@@ -10,6 +10,8 @@ from hknob_cli.page.layout import lay_out
 from tests.page.opened import PHONE, WIDE, Opened
 from tests.page.sample import page
 
+pytestmark = pytest.mark.long  # a browser, which takes seconds to begin
+
 Axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed").Axe
 
 SHOWN = "#claims tbody:not([hidden])"

@@ -15,6 +15,8 @@ from tests.conftest import SPEC, loaded
 from tests.page.explore_scenes import plan_of, random_scene, trial_of
 from tests.page.opened import PHONE, WIDE, Opened
 
+pytestmark = pytest.mark.long  # a browser, which takes seconds to begin
+
 Axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed").Axe
 
 GRID = SPEC.replace("[1000]", "[500, 1000]")

@@ -10,6 +10,7 @@ import pytest
 from hknob_cli.engine import compiling, jit
 from hknob_cli.specs.load import load
 from hknob_cli.specs.plan import SweepPlan
+from hknob_cli.stages.sweep import engines as engines_of_sweeps
 from hknob_cli.stages.sweep.engines import COMPILE_ABOVE, HEAVIER, LOADING_S, Engines
 from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import EXPERIMENTS
@@ -106,8 +107,8 @@ def test_threads_that_want_a_group_at_once_compile_it_once(monkeypatch: pytest.M
         sleep(0.05)  # so that the others come in between
         return {}
 
-    monkeypatch.setattr(jit, "waiting", lambda group: f"waits for {group}")
-    monkeypatch.setattr(jit, "compiled", compiled)
+    monkeypatch.setattr(engines_of_sweeps, "waiting", lambda group: f"waits for {group}")
+    monkeypatch.setattr(engines_of_sweeps, "compiled", compiled)
     engines = Engines(notify=asked.append)
     with ThreadPoolExecutor(4) as pool:
         list(pool.map(engines.compile, ["laws"] * 4))
@@ -129,7 +130,7 @@ def test_what_one_sweep_has_compiled_the_next_one_takes() -> None:
 def test_work_is_compiled_for_where_it_takes_longer(
     kept: bool, worth_s: float, nothing_kept: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(jit, "is_kept", lambda _group="plain": kept)
+    monkeypatch.setattr(engines_of_sweeps, "is_kept", lambda _group="plain": kept)
     asked: list[str] = []
     monkeypatch.setattr(Engines, "compile", lambda self, group: asked.append(group))
     enough = COMPILE_ABOVE / HEAVIER["general"] * worth_s / LOADING_S
