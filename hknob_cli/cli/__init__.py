@@ -2,9 +2,10 @@
 
 - `main`, `app`
 - `stages`, `run`, `check` the commands
-- `handover` from parsing to work, `stage_run` what is said of a stage
+- `handover` from parsing to work, `stage_run` what is said of a stage, `run_done` of a pipeline
 
 Starting light. `hknob --help` loads neither numpy nor numba. `hknob sweep` parses its command line in a child process
 while it loads the libraries of the work (`cli/handover.py`); validation models do not leave `specs/`, so that the
-working process never loads pydantic.
+working process never loads pydantic. `hknob run` as make repeats it looks whether there is anything to do before typer
+loads.
 """

@@ -8,6 +8,8 @@ import pytest
 
 from tests.hardware.foreign import arranged, foreign_target
 
+pytestmark = pytest.mark.long  # programs that talk in real time
+
 STAYS = "THE TORQUE IS STILL ON: switch the amplifier off by hand"
 
 # What the target does wrong, and what the user reads.
@@ -115,7 +117,6 @@ def test_torque_beyond_the_limit_that_was_agreed_is_noticed(hknob, tmp_path: Pat
     assert "the torque is beyond the limit of 0.005 N m, at sample " in done.stderr
 
 
-@pytest.mark.long
 def test_checksums_that_are_all_wrong_are_called_so(hknob, tmp_path: Path) -> None:
     said = run(hknob, tmp_path, "all-crcs-wrong")
     assert re.search(
@@ -123,7 +124,6 @@ def test_checksums_that_are_all_wrong_are_called_so(hknob, tmp_path: Path) -> No
     )
 
 
-@pytest.mark.long
 def test_blocks_sent_twice_cost_nothing(hknob, tmp_path: Path) -> None:
     with foreign_target("--fault", "repeats-samples") as url:
         done = hknob(*arranged(tmp_path, url))

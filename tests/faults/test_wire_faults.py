@@ -33,6 +33,8 @@ from tests.hardware.fake_target import Manners, PtyTarget, spoiler, spoilt
 from tests.hardware.golden import BOOT, CONVERTERS, GOLDEN, SETTINGS, WITH_SINES
 from tests.hardware.test_serial_device import assert_whole, trial
 
+pytestmark = pytest.mark.long  # programs that talk in real time
+
 # A host in a process of its own: it says what it does, line by line, and what ended it.
 HOST = """
 import sys

@@ -344,8 +344,8 @@ PAIRS = [
     ("detents", "cogging", "general"),
     ("squeeze", "cogging", "general"),
     ("squeeze", "mesh", "general"),
-    ("squeeze", "play", "general"),
     *(("bare", part, "general") for part in ("profile", "detents", "end_stops", "dead_zone")),
+    ("squeeze", "play", "general"),
     *(("bare", part, "general") for part in ("jitter", "cogging", "play")),
 ]
 

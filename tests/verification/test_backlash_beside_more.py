@@ -107,6 +107,7 @@ def test_cycles_through_the_play_beside_a_controller() -> None:
     assert parted >= 3
 
 
+@pytest.mark.long
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize(("controller", "push"), [("speed, tracked", 1e-4), ("damping, sensor", 3e-4)])
 def test_chaos_beside_a_controller_is_what_two_motions_do(controller: str, push: float) -> None:

@@ -215,6 +215,7 @@ def corners_passed(cell: Cell, end: Any) -> int:
     return high - low
 
 
+@pytest.mark.long
 def test_a_cycle_is_proven_where_one_slope_holds_the_knob_and_nowhere_else() -> None:
     """Two springs are counted: the hand's 0.04 N·m/rad, and of cogging 2 T N/π, above or below 0."""
     proven = unproven = 0

@@ -99,6 +99,7 @@ def test_the_engine_looks_at_the_time_too(scene: str) -> None:
         bench_run._exact(trial, Deadline(-1.0), compiled=False)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("scene", "why"),
     [(RUBS, "digits60 takes longer than 1 s"), (EXACT, "exact cannot follow it: at 1000 Hz the scene")],
