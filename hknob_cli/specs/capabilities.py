@@ -71,6 +71,7 @@ COLUMNS = {
     ),
     "general_sets": Column("sets: more state", _SETS, group="general sets"),
     "friction_sets": Column("sets: friction, controllers", _SETS, group="friction sets"),
+    "law_sets": Column("sets: more state, controllers", _SETS, group="general sets"),
     "general_anywhere": Column(
         "sets: anywhere, other torques",
         "no region is known that every motion comes into; give ranges",
@@ -93,7 +94,7 @@ COLUMNS = {
     "device": Column("hw-run", "the spec of a device has no such key"),
     "explore": Column("explore", "the engine of its page has no such part"),
 }  # fmt: skip
-ENGINES, ASKED, COMMANDS = tuple(COLUMNS)[:11], tuple(COLUMNS)[11:15], tuple(COLUMNS)[15:]
+ENGINES, ASKED, COMMANDS = tuple(COLUMNS)[:12], tuple(COLUMNS)[12:16], tuple(COLUMNS)[16:]
 
 PARTS = {
     "bias": Part("a bias torque", "bias.torque"),
@@ -151,57 +152,57 @@ PARTS = {
 # Verdicts in the order of COLUMNS: engines of trials, engines of sets, what a sweep is asked for, laws and commands.
 _TABLE = {
     #                   plain, bounces, general, unsampled, laws
-    #                   |      phases, ranges, anywhere, general_sets, friction_sets, general_anywhere
+    #                   |      phases, ranges, anywhere, general_sets, friction_sets, law_sets, general_anywhere
     #                   |      |      basins, record, pulse, perceive
     #                   |      |      |    describing, relay, formulas, bench, device
-    "bias":            "PEPPP PPPPPP PEE~ ~P~E~",
-    "hand":            "PEPPP PPPPPP PEE~ ~P~E~",
-    "grip":            "PEPPP PPPPPP PEE~ ~P~E~",
-    "people":          "P-PPP PPPPPP PEE~ -----",
-    "knob_damping":    "P-PPP PPPPPP PEE~ ~P~E~",
-    "friction":        "--PPP ----P- -EE~ ~-~E~",
-    "hand_damping":    "P-PPP PPPPPP PEE~ ~P~E~",
-    "hand_stiffness":  "P-PPP PPPPPP PEE~ ~P~E~",
-    "finger":          "--P-P ---P-- -EE~ ~--E-",
-    "virtual_damping": "--P-P ---PP- -EE~ --~E~",
-    "delay":           "PEP-P P--PP- -EE~ ~P~E~",
-    "lag":             "--P-P ---PP- -EE~ ~--E~",
-    "torque_limit":    "--P-P ---PPP -EE~ ---E~",
-    "torque_step":     "--P-P ---PPP -EE~ ---E~",
-    "dead_band":       "--P-P ---PPP -EE~ ----~",
-    "rounding":        "PEPPP PPPPPP PEE~ ~P~E~",
-    "offset":          "PEPPP PPPPPP PEE~ ~P~E~",
-    "hysteresis":      "--P-P ------ -EE~ ~----",
-    "backlash":        "--P-P ------ -EE~ ~----",
-    "bare":            "--PPE ------ -EE~ ---E-",
-    "jitter":          "--E-E ------ -EE- -----",
-    "unsampled":       "---P- ------ -E-- ---E-",
-    "controller":      "----P ----P- -EE~ ----~",
-    "speed_sensor":    "----P ------ -EE~ ----~",
-    "estimated_speed": "----P ----P- -EE~ ----~",
-    "kalman":          "----P ----P- -EE~ ----~",
-    "several_readings": "----P ----P- -EE~ ----~",
-    "pulses":          "----P ----P- -EE~ ----~",
-    "knob_model":      "----P ----P- -EE~ ----~",
-    "by_counts":       "----P ----P- -EE~ ----~",
-    "profile":         "--P-P ---PPP -EE~ ----~",
-    "detents":         "--P-P ---PPP -EE~ ----~",
-    "end_stops":       "--P-P ---PPP -EE~ ----~",
-    "dead_zone":       "--P-P ---PPP -EE~ ----~",
-    "motor":           "P-PPP PPPPPP PEE~ ~P~E~",
-    "coil":            "--P-P ---P-- -EE~ ----~",
-    "current_loop":    "--P-P ---PP- -EE~ ---E~",
-    "supply":          "--P-P ---PPP -EE~ ---E~",
-    "eddy_brake":      "P-PPP PPPPPP PEE~ ~P~E~",
-    "gear":            "PEPPP PPPPPP -EE~ ~P~--",
-    "mesh":            "--P-P ---P-- -EE~ -----",
-    "play":            "--E-E ------ -EE~ -----",
-    "cogging":         "--E-E ------ -EE~ -----",
-    "squeeze":         "PEPPP PPPPPP PEE~ ~P~--",
-    "undamped":        "EEEEE --E--E EEE~ ~E~E-",
-    "unheld":          "EEEPE --E--E EEE~ ~E~E-",
-    "unpushed":        "P-PPE PEEEPE EEE~ ~P~E~",
-    "handless":        "EEEPE ------ -EE~ ~E~E-",
+    "bias":            "PEPPP PPPPPPP PEE~ ~P~E~",
+    "hand":            "PEPPP PPPPPPP PEE~ ~P~E~",
+    "grip":            "PEPPP PPPPPPP PEE~ ~P~E~",
+    "people":          "P-PPP PPPPPPP PEE~ -----",
+    "knob_damping":    "P-PPP PPPPPPP PEE~ ~P~E~",
+    "friction":        "--PPP ----P-- -EE~ ~-~E~",
+    "hand_damping":    "P-PPP PPPPPPP PEE~ ~P~E~",
+    "hand_stiffness":  "P-PPP PPPPPPP PEE~ ~P~E~",
+    "finger":          "--P-P ---P-P- -EE~ ~--E-",
+    "virtual_damping": "--P-P ---PPP- -EE~ --~E~",
+    "delay":           "PEP-P P--PPP- -EE~ ~P~E~",
+    "lag":             "--P-P ---PPP- -EE~ ~--E~",
+    "torque_limit":    "--P-P ---PPPP -EE~ ---E~",
+    "torque_step":     "--P-P ---PPPP -EE~ ---E~",
+    "dead_band":       "--P-P ---PPPP -EE~ ----~",
+    "rounding":        "PEPPP PPPPPPP PEE~ ~P~E~",
+    "offset":          "PEPPP PPPPPPP PEE~ ~P~E~",
+    "hysteresis":      "--P-P ------- -EE~ ~----",
+    "backlash":        "--P-P ------- -EE~ ~----",
+    "bare":            "--PPE ------- -EE~ ---E-",
+    "jitter":          "--E-E ------- -EE- -----",
+    "unsampled":       "---P- ------- -E-- ---E-",
+    "controller":      "----P ----PP- -EE~ ----~",
+    "speed_sensor":    "----P ------- -EE~ ----~",
+    "estimated_speed": "----P ----PP- -EE~ ----~",
+    "kalman":          "----P ----PP- -EE~ ----~",
+    "several_readings": "----P ----P-- -EE~ ----~",
+    "pulses":          "----P ----PP- -EE~ ----~",
+    "knob_model":      "----P ----PP- -EE~ ----~",
+    "by_counts":       "----P ----PP- -EE~ ----~",
+    "profile":         "--P-P ---PPPP -EE~ ----~",
+    "detents":         "--P-P ---PPPP -EE~ ----~",
+    "end_stops":       "--P-P ---PPPP -EE~ ----~",
+    "dead_zone":       "--P-P ---PPPP -EE~ ----~",
+    "motor":           "P-PPP PPPPPPP PEE~ ~P~E~",
+    "coil":            "--P-P ---P-P- -EE~ ----~",
+    "current_loop":    "--P-P ---PPP- -EE~ ---E~",
+    "supply":          "--P-P ---PPPP -EE~ ---E~",
+    "eddy_brake":      "P-PPP PPPPPPP PEE~ ~P~E~",
+    "gear":            "PEPPP PPPPPPP -EE~ ~P~--",
+    "mesh":            "--P-P ---P-P- -EE~ -----",
+    "play":            "--E-E ------- -EE~ -----",
+    "cogging":         "--E-E ------- -EE~ -----",
+    "squeeze":         "PEPPP PPPPPPP PEE~ ~P~--",
+    "undamped":        "EEEEE --E---E EEE~ ~E~E-",
+    "unheld":          "EEEPE --E---E EEE~ ~E~E-",
+    "unpushed":        "P-PPE PEEEPEE EEE~ ~P~E~",
+    "handless":        "EEEPE ------- -EE~ ~E~E-",
 }  # fmt: skip
 
 # Parts that the page of `hknob explore` follows; what is not named here it refuses.
@@ -259,8 +260,8 @@ SAID_OF_STARTS = {"ranges": "where starts are a range", "anywhere": "where start
 
 # Engines that may take a scene, by its starts; the first that takes all of its parts does.
 TRIALS = ("bounces", "plain", "general", "unsampled", "laws")
-PHASES = ("bounces", "phases", "general_sets", "friction_sets", *TRIALS[1:])
-RANGES = ("bounces", "ranges", "general_sets", "friction_sets", "general", "laws")
+PHASES = ("bounces", "phases", "general_sets", "friction_sets", "law_sets", *TRIALS[1:])
+RANGES = ("bounces", "ranges", "general_sets", "friction_sets", "law_sets", "general", "laws")
 ANYWHERE = ("bounces", "anywhere", "general_anywhere")
 STARTS = {"phases": TRIALS, "one": PHASES, "ranges": RANGES, "anywhere": ANYWHERE}
 

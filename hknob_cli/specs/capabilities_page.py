@@ -42,8 +42,8 @@ also decides what a spec may say, what its faults tell, and which engine a cell 
 - **refused**: such a spec is at fault.
 
 A verdict is that of a scene with this one part, which is otherwise a plain sampled wall with a hand. Several parts
-together get the lowest verdict of the first engine that takes them all (the last table). So a controller beside a
-finger is followed from some of the starts only.
+together get the lowest verdict of the first engine that takes them all (the last table). So friction beside a finger is
+followed from some of the starts only.
 A cell can still fail to be proven, for example when a sample lies on a count edge; its row then says why.
 """
 

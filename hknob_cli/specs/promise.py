@@ -23,6 +23,7 @@ SETS = (
     "anywhere",
     "general_sets",
     "friction_sets",
+    "law_sets",
     "general_anywhere",
 )  # engines of sets of starts
 
@@ -52,10 +53,11 @@ def _of_scene(scene: Scene, starts: Starts) -> Iterator[str]:
 
 
 def _hindrance(parts: frozenset[str], kind: str) -> str:
-    """The parts for which no sets of starts are followed: those that the engine refuses which refuses the fewest."""
+    """The parts for which no sets of starts are followed: those that engines refuse which refuse the fewest."""
     others = ("phases", "ranges", "anywhere", "general_sets") if "controller" in parts else ()
     engines = [one for one in STARTS[kind] if one in SETS and one not in others]
     refused = [[part for part in PARTS if part in parts and VERDICTS[part, one] == REFUSED] for one in engines]
-    fewest = min(refused, key=len)
+    least = min(map(len, refused))
+    fewest = [part for part in PARTS if any(part in one for one in refused if len(one) == least)]
     beside = "a controller beside " if "controller" in parts and not set(fewest) & OF_CONTROLLERS else ""
     return beside + " and ".join(PARTS[part].title for part in fewest)

@@ -189,10 +189,11 @@ def test_trials_are_proven_where_the_table_says(part: str) -> None:
 
 # What sets are followed with.
 BESIDE = ("friction", "virtual_damping", "delay", "torque_step", "lag", "detents")
+MORE_STATES = ("finger", "coil", "mesh")  # than angle and speed
 FEW_STARTS = [(part, "phases") for part in BESIDE]
 FEW_STARTS += [(part, "phases") for part in ("profile", "end_stops", "dead_zone")]
-FEW_STARTS += [(part, starts) for part in ("finger", "hysteresis") for starts in ("phases", "one", "ranges")]
-FEW_STARTS += [("backlash", "phases")]
+FEW_STARTS += [("hysteresis", starts) for starts in ("phases", "one", "ranges")]
+FEW_STARTS += [("finger", "phases"), ("backlash", "phases")]
 
 
 @pytest.mark.parametrize(("part", "starts"), FEW_STARTS)
@@ -372,7 +373,7 @@ def test_pairs_are_as_the_table_says(one: str, other: str, engine: str) -> None:
 @pytest.mark.long
 @pytest.mark.drawn(3)
 @pytest.mark.parametrize("starts", ["one", "ranges"])
-@pytest.mark.parametrize("part", BESIDE)
+@pytest.mark.parametrize("part", [*BESIDE, *MORE_STATES])
 def test_every_start_of_a_controller_beside_more(part: str, starts: str) -> None:
     """All of them are proven to end in what is listed."""
     source = Source("spec.yaml")
@@ -383,7 +384,7 @@ def test_every_start_of_a_controller_beside_more(part: str, starts: str) -> None
     plan = validate(source)
     assert isinstance(plan, SweepPlan)
     scene = scene_at(plan.scene, next(iter(cells_of(plan))))
-    assert engine_of(scene, STARTS[starts]) == "friction_sets"
+    assert engine_of(scene, STARTS[starts]) == ("law_sets" if part in MORE_STATES else "friction_sets")
     cell = SweepStage(plan, jobs=1).run().cells.to_pylist()[0]
     assert (cell["certified_fraction"], cell["complete"]) == (1.0, True)
 
@@ -557,7 +558,7 @@ def test_what_will_not_be_proven_is_told(part: str, starts: str, said: list[str]
     assert not_proven(plan) == said
 
 
-@pytest.mark.parametrize(("part", "what"), [("finger", "a finger apart from the knob")])
+@pytest.mark.parametrize(("part", "what"), [("hysteresis", "hysteresis of the encoder")])
 def test_what_hinders_sets_with_a_controller_is_told(part: str, what: str) -> None:
     source = Source("spec.yaml")
     source.value = {**merged(deepcopy(BASE), merged(CHANGES[part], CHANGES["controller"])), "starts": KINDS["one"]}
@@ -572,7 +573,8 @@ def test_friction_with_a_finger_is_told_as_what_hinders() -> None:
     assert isinstance(plan, SweepPlan)
     rubbed = plan._replace(scene=plan.scene._replace(knob=plan.scene.knob._replace(coulomb_torque=1e-5)))
     assert not_proven(rubbed) == [
-        "some phases of the start will be followed, not all: sets of states are not followed with Coulomb friction"
+        "some phases of the start will be followed, not all: sets of states are not followed with Coulomb friction "
+        "and a finger apart from the knob"
     ]
 
 

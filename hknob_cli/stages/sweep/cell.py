@@ -116,7 +116,7 @@ class CellFinder:
             return self._find_unsampled(plan, cell)
         if group == "bounces":
             return self._find_growth(plan, cell)
-        if group == "laws" or (group == LAW_SETS and scene.controller is not None):
+        if group == "laws" or scene.controller is not None:
             return self._find_with_law(plan, cell, group)
         if group in ("general", "general sets", "friction sets"):
             return self._find_general(plan, cell, group)
@@ -177,7 +177,7 @@ class CellFinder:
         made = make_law(scene_at(plan.scene, cell), sample_rate_hz=cell[RATE], counts_per_rev=counts)
         engine = LawEngine(made.law, self.functions.get(group), self.stopped, self.patience(group))
         try:
-            search = self._starts.search_law(plan, made, engine) if group == LAW_SETS else None
+            search = self._starts.search_law(plan, made, engine, group) if group != "laws" else None
             if search is None:
                 search = _search_trials(plan, engine, made.knob, rate=made.rate, line=engine.past_length)
         except NeedsCompilerError:

@@ -80,15 +80,15 @@ class StartsFinder:
         self._general.patience = self.patience(group)
         return _search_sets(self._general, plan, knob, group, rate=knob.rate, memory=knob.delay_line)
 
-    def search_law(self, plan: SweepPlan, made: "LawKnob", engine: "LawEngine") -> Search | None:
+    def search_law(self, plan: SweepPlan, made: "LawKnob", engine: "LawEngine", group: str) -> Search | None:
         """The same of a cell under a controller, whose trials ``engine`` follows.
 
         None, too, where sets take more work than a cell may: trials then tell more than sets that are given up.
         """
-        from hknob_cli.engine.general.sets.law_search import LawSetEngine
+        from hknob_cli.engine.general.sets.law_search import LawSetEngine, LawStatesEngine
 
-        group = "friction sets"
-        sets = LawSetEngine(engine.law, self.functions.get(group), self.stopped, self.patience(group))
+        kind = LawSetEngine if group == "friction sets" else LawStatesEngine
+        sets = kind(engine.law, self.functions.get(group), self.stopped, self.patience(group))
         found = _search_sets(sets, plan, made.knob, group, rate=made.rate, memory=engine.past_length)
         return None if found is not None and found.why is Reason.WORK_LIMIT else found
 

@@ -14,7 +14,7 @@ from hknob_cli.engine.follow import CYCLE_PROVEN, GREW, REST_PROVEN, UNSETTLED
 from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.sets import friction_box
 from hknob_cli.engine.general.sets.box import ENDED, KEPT, PARTED, UNPROVEN
-from hknob_cli.engine.general.sets.friction_box import OFTEN, follow_friction, follow_piece, sample_with_law
+from hknob_cli.engine.general.sets.friction_box import OFTEN, follow_friction, follow_piece
 from hknob_cli.engine.general.sets.friction_rest import UNKNOWN
 from hknob_cli.engine.general.sets.known import FULL, NO_ROOM
 from hknob_cli.engine.general.sets.piece import (
@@ -440,38 +440,3 @@ def test_pieces_are_followed_for_so_many_samples(monkeypatch: pytest.MonkeyPatch
         assert followed(monkeypatch, script, halt=[halt])[0] == (3, 0, 0.0, 0)
     assert followed(monkeypatch, script, waiting=0)[0] == (0, 0, 0.0, 0)
     assert followed(monkeypatch, [(0, ENDED, 0, 10)], waiting=1)[0] == (0, 1, 0.0, 10)
-
-
-# Single states.
-
-
-def test_single_states_are_followed_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each from what is remembered before a first sample that acts as it does."""
-    rows, told = [1, -1, 0, FULL, 1], []
-
-    def begin(law: Any, level: float, ring: list[float]) -> None:
-        ring[:] = [level] * len(ring)
-
-    def seek(z: list[float], before: float, ring: list[float], head: int, *more: Any) -> tuple[int, int]:
-        told.append((list(z), before, list(ring), head, more))
-        return rows[len(told) - 1], 10 ** len(told)
-
-    monkeypatch.setattr(friction_box, "begin_memory", begin)
-    monkeypatch.setattr(friction_box, "seek", seek)
-    body = body_of(0.5)
-    body.order = 3
-    known: Any = SimpleNamespace(law=SimpleNamespace(watch=wall_of()), table=zeros(FIELDS * 4))
-    room = SimpleNamespace(own_z=[7.0, 7.0, 7.0], own_ring=zeros(2))
-    starts, ends = [-1.5, 0.5, -2.5, 0.25, 3.5, 0.0, -7.5, 1.0, 0.5, -1.0, -9.5, 2.0], [9] * 6
-    found = sample_with_law(starts, 1, 5, None, 1000, 77.0, ends, room, drift_of(bottom=-4.0), known, body, "wall")  # type: ignore[no-untyped-call]
-    assert found == (10 + 100 + 1000 + 10000, 2)
-    assert ends == [9, 1, -1, 0, FULL, 9]
-    assert [one[:4] for one in told] == [
-        ([-2.5, 0.25, 0.0], 0.0, [-3.0, -3.0], 0),
-        ([3.5, 0.0, 0.0], 0.0, [0.0, 0.0], 0),
-        ([-7.5, 1.0, 0.0], 0.0, [-4.0, -4.0], 0),
-        ([0.5, -1.0, 0.0], 0.0, [0.0, 0.0], 0),
-    ]
-    assert all(one[4] == (1000, 77.0, known, body, "wall") for one in told)
-    assert [known.table[row * FIELDS + 6] for row in range(4)] == [1.0, 1.0, 0.0, 0.0]
-    assert sum(known.table) == 2.0

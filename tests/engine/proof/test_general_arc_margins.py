@@ -138,10 +138,12 @@ class Parted:
         wall, drift = more.get("wall", DAMPED), DRIFT._replace(bottom=more.get("bottom", -inf))
         given = LOW_PHASE, HIGH_PHASE, z, -9.0, self.ring, 1, 0.25, SLACK, more.get("reach", 0.0)
         at = more.get("sample", 7)
-        self.total = arc.part_arc(self.work, more.get("first", 2), *given, at, *levels, (drift, BODY, wall))
+        self.total = arc.part_arc(self.work, more.get("first", 2), *given, at, *levels, (None, drift, BODY, wall))
         assert self.ring == [20.0, 10.0][: self.delay]
 
-    def step_through(self, z: Any, before: float, error: float, level: float, ring: Any, head: int, *_: Any) -> Any:
+    def step_through(
+        self, _law: None, z: Any, before: float, error: float, level: float, ring: Any, head: int, *_: Any
+    ) -> Any:
         self.steps.append((list(z), before, error, level, list(ring), head))
         z[0], z[1] = z[0] + 100.0, z[1] + 10.0
         if self.delay:
@@ -328,7 +330,9 @@ class Followed:
         self.body.halt[0] = self.halts
         return self.seeks.pop(0)
 
-    def step_through(self, z: Any, before: float, error: float, level: float, ring: Any, head: int, *_: Any) -> Any:
+    def step_through(
+        self, _law: None, z: Any, before: float, error: float, level: float, ring: Any, head: int, *_: Any
+    ) -> Any:
         self.steps.append((list(z), before, error, level, list(ring), head))
         z[0] += 0.5
         return before + 1.0, error + 0.125, head + 1
@@ -340,7 +344,7 @@ class Followed:
 
     def part_arc(self, work: Any, waits: int, low: float, high: float, z: Any, before: float, *rest: Any) -> int:
         _, head, error, slack, reach, sample, least, most, cell = rest
-        assert cell == (DRIFT, self.body, self.wall)
+        assert cell == (None, DRIFT, self.body, self.wall)
         self.parts.append((waits, low, high, list(z), before, head, error, slack, reach, sample, least, most))
         return self.parted.pop(0) if self.parted else 0
 

@@ -8,6 +8,7 @@ import random
 from collections.abc import Callable
 from fractions import Fraction
 from math import sqrt
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -26,7 +27,7 @@ from hknob_cli.engine.general.sets.ball import (
     STEPS_DEEPER,
 )
 from hknob_cli.engine.general.sets.box import ENDED, KEPT, PARTED, SECTION, SMALL, UNPROVEN
-from hknob_cli.engine.general.sets.known import NO_ROOM, UNPROVEN_END
+from hknob_cli.engine.general.sets.known import FULL, NO_ROOM, UNPROVEN_END
 from hknob_cli.engine.general.sets.piece import BEFORE, COUNT, ERROR, LEVEL, SAMPLE, STATE, WEIGHT, piece_size
 from hknob_cli.engine.general.sets.room import PieceRoom
 
@@ -107,7 +108,9 @@ class Followed:
         )
         return int(self.parted)
 
-    def step_through(self, z: Any, before: float, error: float, level: float, ring: Any, head: int, *_: Any) -> Any:
+    def step_through(
+        self, _law: None, z: Any, before: float, error: float, level: float, ring: Any, head: int, *_: Any
+    ) -> Any:
         self.steps.append((list(z), before, error, level, list(ring), head))
         z[0] += 0.5
         return before + 1.0, error + 0.125, head + 1
@@ -582,3 +585,37 @@ def test_a_box_begins_with_all_its_pieces_or_with_none() -> None:
     assert filled(-1.5, 2.5, pieces=4) == -1
     assert filled(-1.5, 2.5, pieces=0) == -1
     assert filled(-1.5, 2.5, pieces=1) == -1
+
+
+# Single states.
+
+
+def test_single_states_are_followed_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each from what is remembered before a first sample that acts as it does."""
+    rows, told = [1, -1, 0, FULL, 1], []
+
+    def begin(law: Any, level: float, ring: list[float]) -> None:
+        ring[:] = [level] * len(ring)
+
+    def seek(z: list[float], before: float, ring: list[float], head: int, *more: Any) -> tuple[int, int]:
+        told.append((list(z), before, list(ring), head, more))
+        return rows[len(told) - 1], 10 ** len(told)
+
+    monkeypatch.setattr(box, "begin_memory", begin)
+    monkeypatch.setattr(box, "seek", seek)
+    body = BODY._replace(order=3)
+    known: Any = SimpleNamespace(law=SimpleNamespace(watch=wall_of()), table=[0.0] * (FIELDS * 4))
+    place = SimpleNamespace(own_z=[7.0, 7.0, 7.0], own_ring=[0.0, 0.0])
+    starts, ends = [-1.5, 0.5, -2.5, 0.25, 3.5, 0.0, -7.5, 1.0, 0.5, -1.0, -9.5, 2.0], [9] * 6
+    found = box.sample_with_law(starts, 1, 5, None, 1000, 77.0, ends, place, drift_of(-4.0), known, body, "wall")
+    assert found == (10 + 100 + 1000 + 10000, 2)
+    assert ends == [9, 1, -1, 0, FULL, 9]
+    assert [one[:4] for one in told] == [
+        ([-2.5, 0.25, 0.0], 0.0, [-3.0, -3.0], 0),
+        ([3.5, 0.0, 0.0], 0.0, [0.0, 0.0], 0),
+        ([-7.5, 1.0, 0.0], 0.0, [-4.0, -4.0], 0),
+        ([0.5, -1.0, 0.0], 0.0, [0.0, 0.0], 0),
+    ]
+    assert all(one[4] == (1000, 77.0, known, body, "wall") for one in told)
+    assert [known.table[row * FIELDS + 6] for row in range(4)] == [1.0, 1.0, 0.0, 0.0]
+    assert sum(known.table) == 2.0

@@ -127,13 +127,13 @@ def test_a_rest_captures_below_its_margin_less_all_roundings() -> None:
         rounded = 64.0 * UNIT * (1.0 + 0.5 + abs(x) + 2.5)
         reach = (0.5 - 1e-12 - rounded) / (1.0 + 1e-9) - away
         if reach > 0.0:
-            assert known.resting([x, v], 0.0, [], reach - 1e-14, ends := room(), RESTS, wall) == 0
+            assert known.resting([x, v], 0.0, [], reach - 1e-14, -1.0, ends := room(), RESTS, wall) == 0
             assert ends.table[:2] == [REST_PROVEN, 1]
             assert ends.states[:2] == [-0.5, 0.0]
-        assert known.resting([x, v], 0.0, [], max(0.0, reach) + 2e-14, room(), RESTS, wall) == -1
+        assert known.resting([x, v], 0.0, [], max(0.0, reach) + 2e-14, -1.0, room(), RESTS, wall) == -1
     undamped = body_of(0.0, 1.0, 1.5)
-    assert known.resting([-0.4, 0.0], 0.0, [], 0.0, room(), undamped, wall) == -1  # swings for ever
-    assert known.resting([-1.5, 0.0], 0.0, [], 0.0, room(), RESTS, wall) == -1  # its reading rests elsewhere
+    assert known.resting([-0.4, 0.0], 0.0, [], 0.0, -1.0, room(), undamped, wall) == -1  # swings for ever
+    assert known.resting([-1.5, 0.0], 0.0, [], 0.0, -1.0, room(), RESTS, wall) == -1  # its reading rests elsewhere
 
 
 def test_a_rest_captures_nothing_that_reaches_its_very_margin() -> None:
@@ -143,27 +143,27 @@ def test_a_rest_captures_nothing_that_reaches_its_very_margin() -> None:
         reach += 1e-14
     while reach * (1.0 + 1e-9) + 1e-12 + rounded >= 0.5:
         reach = nextafter(reach, 0.0)
-    assert known.resting([-0.5, 0.0], 0.0, [], reach, room(), RESTS, wall_of()) == 0
+    assert known.resting([-0.5, 0.0], 0.0, [], reach, -1.0, room(), RESTS, wall_of()) == 0
     reach = nextafter(reach, 1.0)
     assert reach * (1.0 + 1e-9) + 1e-12 + rounded == 0.5
-    assert known.resting([-0.5, 0.0], 0.0, [], reach, room(), RESTS, wall_of()) == -1
+    assert known.resting([-0.5, 0.0], 0.0, [], reach, -1.0, room(), RESTS, wall_of()) == -1
 
 
 def test_reach_counts_by_the_stiffness() -> None:
     """A norm of 1 is half a count; here level -1 rests at -1/2."""
     stiff = body_of(1.0, 4.0, 3.0)
     for reach, row in ((0.999, 0), (1.001, -1)):
-        assert known.resting([-0.5, 0.0], 0.0, [], reach, room(), stiff, wall_of()) == row
+        assert known.resting([-0.5, 0.0], 0.0, [], reach, -1.0, room(), stiff, wall_of()) == row
 
 
 def test_an_other_command_under_way_or_another_reading_may_drive_it_out() -> None:
     for line, row in (([1.0, 1.0], 0), ([0.0, 1.0], -1), ([1.0, 0.0], -1)):
-        assert known.resting([-0.5, 0.0], 0.0, line, 0.0, ends := room(2), RESTS, wall_of()) == row
+        assert known.resting([-0.5, 0.0], 0.0, line, 0.0, -1.0, ends := room(2), RESTS, wall_of()) == row
         if row == 0:
             assert ends.lines[:2] == line
     damped = wall_of(damping=1e-3)
-    assert known.resting([-0.5, 0.0], -1.0, [], 0.0, room(), RESTS, damped) == 0
-    assert known.resting([-0.5, 0.0], 0.0, [], 0.0, room(), RESTS, damped) == -1
+    assert known.resting([-0.5, 0.0], -1.0, [], 0.0, -1.0, room(), RESTS, damped) == 0
+    assert known.resting([-0.5, 0.0], 0.0, [], 0.0, -1.0, room(), RESTS, damped) == -1
 
 
 def test_no_state_of_a_captured_ball_is_beyond_the_rest_of_two_large_torques() -> None:
@@ -181,7 +181,7 @@ def test_no_state_of_a_captured_ball_is_beyond_the_rest_of_two_large_torques() -
             continue
         x = float(place) + chance.uniform(-0.1, 0.1) * float(gap)
         reach = float(gap) - abs(x - float(place)) + 10.0 ** chance.uniform(-9.0, -4.0) * chance.choice([-1.0, 1.0])
-        found = known.resting([x, 0.0], 0.0, [], reach / body.reach, room(), body, wall)
+        found = known.resting([x, 0.0], 0.0, [], reach / body.reach, -1.0, room(), body, wall)
         if found >= 0:
             captured += 1
             assert abs(Fraction(x) - place) + Fraction(reach) < gap
@@ -381,7 +381,7 @@ def test_one_sample_of_a_set(kind: str) -> None:
         error = 1e-13 + drift.once[0] + drift.once[1] * largest
         error += sum(per * abs(value) for per, value in zip(drift.once[2:], z, strict=True))
         last, to = advance(own, before, line, head, body, wall, zeros(2 * n))
-        found = ball.step_through(z, before, 1e-13, level, ring, head, drift, body, wall, zeros(2 * n))
+        found = ball.step_through(None, z, before, 1e-13, level, ring, head, drift, body, wall, zeros(2 * n))
         assert found == (last if wall.damping > 0.0 else 0.0, pytest.approx(error, rel=1e-12, abs=0.0), to)
         assert (z, ring) == (own, line)
 

@@ -176,7 +176,7 @@ def test_a_piece_goes_on_one_sample_later_as_its_level(delay: int) -> None:
     assert (z, ring) == ([3.0, -1.0], given)
     found = waiting(room, 2, delay)
     state, line = [3.5, -0.75], [ring[(head + k) % 2] for k in range(delay)]
-    before, _, to = step_through(state, -1.0, 0.25, -2.0, line, 0, drift, BODY, wall, zeros(4))
+    before, _, to = step_through(None, state, -1.0, 0.25, -2.0, line, 0, drift, BODY, wall, zeros(4))
     assert found[STATE : STATE + 2] == state
     assert found[STATE + 2 : STATE + 2 + delay] == [line[(to + k) % 2] for k in range(delay)]
     assert [found[k] for k in (BEFORE, LEVEL, SAMPLE, WEIGHT, COUNT)] == [before, -2.0, 8.0, 0.5, 4.0]
@@ -254,7 +254,7 @@ def test_parts_reach_beyond_their_edges_by_what_they_must(reach: float) -> None:
         [(-2.0, -1.75, -1.0 + reach), (-1.0, -1.0 - reach, reach), (0.0, -reach, 0.75)], 1
     ):
         found, state = waiting(room, at), [0.5 * (low + high), 0.0]
-        _, error, _ = step_through(state, 0.0, 0.25, level, [], 0, drift_of(), BODY, wall, zeros(4))
+        _, error, _ = step_through(None, state, 0.0, 0.25, level, [], 0, drift_of(), BODY, wall, zeros(4))
         assert (found[SAMPLE], found[WEIGHT], found[COUNT]) == (4.0, 0.5, 4.0)
         assert found[STATE : STATE + 2] == pytest.approx(state, abs=1e-14)
         assert found[ERROR] == pytest.approx(error, rel=1e-9)

@@ -13,7 +13,8 @@ from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.sets.ball import CAPTURED, FIRST_REST_TEST, GREW, MEETS_EDGE, follow_ball, step_through
 from hknob_cli.engine.general.sets.curve import measure_arc, move_centre, place_on
 from hknob_cli.engine.general.sets.known import blame, fate_of, is_proven, seek
-from hknob_cli.engine.general.sets.readings import acting, count_levels, highest, lowest, next_level, remembered
+from hknob_cli.engine.general.sets.memory import begin_at, watched
+from hknob_cli.engine.general.sets.readings import acting, count_levels, highest, lowest, next_level
 
 LOW, HIGH, ARC_ERROR, ARC_BEFORE, ARC_LEVEL, ARC_SAMPLE, ARC_STATE = range(7)
 SHORTEST = 1e-13  # phases: no shorter arc is told apart
@@ -58,14 +59,14 @@ def part_arc(room, waiting, low, high, z, before, ring, head, error, slack, reac
 
     ``reach``: position by which each part goes beyond its edges; ``least``, ``most``: the readings of the arc.
     """
-    drift, body, wall = cell
-    n, delay = body.order, len(ring)
-    if waiting + count_levels(least, most, wall) > len(room.stack) // arc_size(n, delay):
+    law, drift, body, wall = cell
+    n, delay, watch = body.order, len(ring), watched(law, wall)
+    if waiting + count_levels(least, most, watch) > len(room.stack) // arc_size(n, delay):
         return -1
     middle, left, right = 0.5 * (low + high), z[0] + room.below[0], z[0] + room.above[0]
     level = least
     while level <= most:
-        bottom, top = lowest(level, drift.bottom, wall) - reach, highest(level, wall) + reach
+        bottom, top = lowest(level, drift.bottom, watch) - reach, highest(level, watch) + reach
         first, last = 0.0, 1.0
         if left != right:
             one, other = (bottom - left) / (right - left), (top - left) / (right - left)
@@ -77,14 +78,14 @@ def part_arc(room, waiting, low, high, z, before, ring, head, error, slack, reac
             move_centre(z, middle, 0.5 * (begin + end), sample, room, drift, body, room.z)
             for j in range(delay):
                 room.ring[j] = ring[(head + j) % delay]
-            was = remembered(level, wall) if sample == 0 else before
+            was = begin_at(law, level, room.ring, wall) if sample == 0 else before
             remembers, grown, to = step_through(
-                room.z, was, error + slack, level, room.ring, 0 * delay, drift, body, wall, room.pad
+                law, room.z, was, error + slack, level, room.ring, 0 * delay, drift, body, wall, room.pad
             )
             waiting = wait_arc(
                 room, waiting, begin, end, room.z, remembers, room.ring, to, grown, level, sample + 1.0, n
             )
-        level = next_level(level, wall)
+        level = next_level(level, watch)
     return waiting
 
 
@@ -110,7 +111,7 @@ def follow_arcs(waiting, delay, slack, budget, patience, limit, samples, totals,
     n = body.order
     size = arc_size(n, delay)
     z, ring = room.own_z, room.own_ring
-    cell = (drift, body, wall)
+    cell, watch = (known.law, drift, body, wall), watched(known.law, wall)
     taken = 0
     most_waiting = len(room.stack) // size - 4
     while waiting > 0 and taken < samples and not body.halt[0] > 0.0:
@@ -180,13 +181,15 @@ def follow_arcs(waiting, delay, slack, budget, patience, limit, samples, totals,
             bow = body.reach * bulge
             reach = narrow + bow
             left, right = z[0] + room.below[0], z[0] + room.above[0]
-            least = acting(min(left, right) - reach, drift.bottom, wall)
-            most = acting(max(left, right) + reach, drift.bottom, wall)
+            least = acting(min(left, right) - reach, drift.bottom, watch)
+            most = acting(max(left, right) + reach, drift.bottom, watch)
             if least == most:
                 run, next_test = (run + 1, next_test) if level == least else (0, FIRST_REST_TEST)
                 level = least
-                was = remembered(level, wall) if at == 0 else before
-                before, error, head = step_through(z, was, error, level, ring, head, drift, body, wall, room.pad)
+                was = begin_at(known.law, level, ring, wall) if at == 0 else before
+                before, error, head = step_through(
+                    known.law, z, was, error, level, ring, head, drift, body, wall, room.pad
+                )
                 at += 1
                 since += 1
                 taken += 1
@@ -196,7 +199,7 @@ def follow_arcs(waiting, delay, slack, budget, patience, limit, samples, totals,
                 middle = 0.5 * (low + high)
                 first, last = middle, middle
                 if bow < FLAT * ways:
-                    edge = highest(least, wall)
+                    edge = highest(least, watch)
                     # So far from the edge that neither outer part, whose own reach is below twice this one, meets it.
                     # That is less than half of the arc; and as it comes to the edge, an outer part is never all of it.
                     one = (edge - 2.0 * reach - left) / (right - left)

@@ -6,7 +6,9 @@ and its radius, in `body.norm`, is an upper bound.
 
 from hknob_cli.engine.general.controller import command
 from hknob_cli.engine.general.interval import hold
+from hknob_cli.engine.general.laws.step import decide, move_piece
 from hknob_cli.engine.general.sets.known import captor, resting
+from hknob_cli.engine.general.sets.memory import is_plain, watched
 from hknob_cli.engine.general.sets.readings import acting, remembered, steps_deeper
 
 MEETS_EDGE = 0  # the ball may lie on both sides of an edge that changes the command: look at what it bounds
@@ -26,15 +28,27 @@ def step_error(z, u, older, drift, body):
     return total
 
 
-def step_through(z, before, error, level, ring, head, drift, body, wall, pad):
-    """One sample more of a set that acts as ``level``, its centre in place: ``(before, error, head)``."""
-    u = command(level, before, wall)
-    older = u
-    for j in range(len(ring)):
-        older = max(abs(older), abs(ring[j]))
-    error += step_error(z, u, older, drift, body)
-    head = hold(z, u, ring, head, body, wall, pad)
-    return remembered(level, wall), error, head
+def step_through(law, z, before, error, level, ring, head, drift, body, wall, pad):
+    """One sample more of a set that acts as ``level``, its centre in place: ``(before, error, head)``.
+
+    ``law``: of a controller, None without one, as in `memory`.
+    """
+    if law is None:
+        u = command(level, before, wall)
+        older = u
+        for j in range(len(ring)):
+            older = max(abs(older), abs(ring[j]))
+        error += step_error(z, u, older, drift, body)
+        head = hold(z, u, ring, head, body, wall, pad)
+        return remembered(level, wall), error, head
+    decide(level, 0.0, ring, wall, law)
+    largest = 0.0
+    for j in range(law.line, len(ring)):
+        largest = max(largest, abs(ring[j]))
+    error += step_error(z, largest, largest, drift, body)
+    for piece in range(law.pieces):
+        move_piece(z, ring, piece, body, law, pad)
+    return 0.0, error, head
 
 
 def follow_ball(
@@ -45,7 +59,7 @@ def follow_ball(
     Args:
         z: Its centre, (order); moved in place.
         before: What the controller remembers of the last reading, `readings.remembered`.
-        ring: Commands under way; changed in place.
+        ring: Commands under way, or what a law remembers; changed in place.
         head: The oldest of them.
         radius: Bound on the distance of its states from the centre, in `body.norm`.
         error: Bound on the rounding error of the centre, in the same norm.
@@ -62,22 +76,22 @@ def follow_ball(
 
     Returns ``(event, row, before, head, error, level, run, next_test, used)``; ``row`` of the attractor where captured.
     """
-    pad = known.space.pad
-    two, delay = body.order == 2, len(ring)
+    pad, watch = known.space.pad, watched(known.law, wall)
+    two, delay = body.order == 2 and is_plain(known.law), len(ring)
     always, by_command, by_x, by_v = drift.once[0], drift.once[1], drift.once[2], drift.once[3]
     x, v = z[0], z[1]  # of second order the state is in these two alone, until it is asked for
     event, row, taken = OUT_OF_SAMPLES, -1, samples
     for i in range(samples):
         reach = body.reach * (radius + error)
         last = level
-        level = acting(x, drift.bottom, wall)
-        if acting(x - reach, drift.bottom, wall) != level or acting(x + reach, drift.bottom, wall) != level:
+        level = acting(x, drift.bottom, watch)
+        if acting(x - reach, drift.bottom, watch) != level or acting(x + reach, drift.bottom, watch) != level:
             event, level, taken = MEETS_EDGE, last, i
             break
         if not -limit < x < limit:
             event, taken = GREW, i
             break
-        if steps_deeper(level, last, wall):
+        if steps_deeper(level, last, watch):
             z[0], z[1] = x, v
             row = captor(z, before, ring, head, radius + error, known, body, wall)
             if row >= 0:
@@ -91,14 +105,14 @@ def follow_ball(
             if run >= next_test:
                 next_test = 2 * run
                 z[0], z[1] = x, v
-                row = resting(z, before, ring, radius + error, known, body, wall)
+                row = resting(z, before, ring, radius + error, level, known, body, wall)
                 if row >= 0:
                     event, taken = CAPTURED, i
                     break
         else:
             run, next_test = 0, FIRST_REST_TEST
         if not two:
-            before, error, head = step_through(z, before, error, level, ring, head, drift, body, wall, pad)
+            before, error, head = step_through(known.law, z, before, error, level, ring, head, drift, body, wall, pad)
             x, v = z[0], z[1]
             continue
         u = command(level, before, wall)

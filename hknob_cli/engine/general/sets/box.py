@@ -16,6 +16,7 @@ from hknob_cli.engine.general.sets.ball import (
 )
 from hknob_cli.engine.general.sets.known import NO_ROOM, blame, fate_of, is_proven, seek
 from hknob_cli.engine.general.sets.lattice import keep
+from hknob_cli.engine.general.sets.memory import begin_memory, watched
 from hknob_cli.engine.general.sets.piece import (
     BEFORE,
     COUNT,
@@ -73,6 +74,24 @@ def sample_box(starts, first, stop, patience, budget, limit, ends, room, drift, 
         if event != CAPTURED:
             row, used = seek(room.own_z, before, room.own_ring, head, budget - used, limit, known, body, wall)
             taken += used
+        ends[k] = row
+        if row < 0:
+            unproven += 1
+        else:
+            known.table[row * FIELDS + 6] += 1.0
+    return taken, unproven
+
+
+def sample_with_law(starts, first, stop, _patience, budget, limit, ends, room, drift, known, body, wall):
+    """Count where the trials from single states end under a law: as `sample_box`."""
+    taken, unproven = 0, 0
+    for k in range(first, stop):
+        for j in range(body.order):
+            room.own_z[j] = 0.0
+        room.own_z[0], room.own_z[1] = starts[2 * k], starts[2 * k + 1]
+        begin_memory(known.law, acting(room.own_z[0], drift.bottom, known.law.watch), room.own_ring)
+        row, used = seek(room.own_z, 0.0, room.own_ring, 0, budget, limit, known, body, wall)
+        taken += used
         ends[k] = row
         if row < 0:
             unproven += 1
@@ -153,6 +172,7 @@ def follow_piece(room, waiting, delay, width, patience, budget, limit, drift, kn
     # Samples in no known attractor count through all cuts: what is cut again and again would else never be asked.
     age, since, wait, taken, head = 0, at % patience, patience, 0, 0 * delay
     run, next_test = 0, FIRST_REST_TEST
+    watch = watched(known.law, wall)
     between = max(8, patience // 16)  # samples after which the radius is computed again
     small = body.reach * (radius + error) < SMALL * width
     while True:
@@ -198,8 +218,8 @@ def follow_piece(room, waiting, delay, width, patience, budget, limit, drift, kn
             for k in range(1, count):
                 least, most = min(least, corners[k * n]), max(most, corners[k * n])
             reach = body.reach * (error + blurred) + 8.0 * EPSILON * abs(z[0])
-            low = acting(z[0] + least - reach, drift.bottom, wall)
-            high = acting(z[0] + most + reach, drift.bottom, wall)
+            low = acting(z[0] + least - reach, drift.bottom, watch)
+            high = acting(z[0] + most + reach, drift.bottom, watch)
             if low < high:
                 parted = part(
                     room,
@@ -226,7 +246,9 @@ def follow_piece(room, waiting, delay, width, patience, budget, limit, drift, kn
                 return parted, PARTED, taken
             run, next_test = (run + 1, next_test) if level == low else (0, FIRST_REST_TEST)
             level = low
-            before, error, head = step_through(z, before, error, level, ring, head, drift, body, wall, room.pad)
+            before, error, head = step_through(
+                known.law, z, before, error, level, ring, head, drift, body, wall, room.pad
+            )
             at += 1
             age += 1
             since += 1

@@ -7,11 +7,13 @@ cell, however stiff, and not from a rule. Not compiled.
 """
 
 from fractions import Fraction
+from math import inf
 from typing import Any, NamedTuple
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import CONSTANT, ENTRY, FIRST, HALVES, HALVINGS, SECOND, Body, norm
 from hknob_cli.engine.general.controller import Controller
+from hknob_cli.engine.general.laws.law import MATRIX, PIECE, SPAN, Law
 from hknob_cli.engine.general.sets.readings import deepest_level
 
 BITS = 320  # after the point
@@ -41,13 +43,18 @@ class Drift(NamedTuple):
     bottom: float
 
 
-def make_drift(body: Body, wall: Controller) -> Drift:
-    """The numbers of a cell, in lists. The body has no friction and is held: ``body.reach`` is finite."""
+def make_drift(body: Body, wall: Controller, law: Law | None = None) -> Drift:
+    """The numbers of a cell, in lists. The body has no friction and is held: ``body.reach`` is finite.
+
+    Under a ``law`` the body has more than two states, and moves over the pieces of an interval that the law has.
+    """
     n = body.order
     a = whole_matrix(body)
-    first, d1 = exponential(a, wall.split)
-    second, d2 = exponential(a, 1.0 - wall.split)
-    phi = product(second, first)
+    phi = product(exponential(a, 1.0 - wall.split)[0], exponential(a, wall.split)[0])
+    holds = [(wall.split, FIRST)] if wall.split > 0.0 else []
+    holds.append((1.0 - wall.split, SECOND))
+    if law is not None:
+        holds = [(law.sched[at + SPAN], int(law.sched[at + MATRIX])) for at in range(0, law.pieces * PIECE, PIECE)]
     units = [norm([float(i == j) for j in range(n)], body) for i in range(n)]
     spans = _largest(body)
     overlap = 1.0 + sum(one * span for one, span in zip(units, spans, strict=True))
@@ -60,14 +67,15 @@ def make_drift(body: Body, wall: Controller) -> Drift:
             units[i] * (n + 2) * EPSILON * sum(abs(entries[i][j]) * spans[j] for j in range(n)) for i in range(n)
         )
         phi = product(phi, phi)
-    once, _ = _hold(body, d2, second, SECOND)
-    if wall.split > 0.0:
-        before, reach_before = _hold(body, d1, first, FIRST)
-        later = [sum(once[2 + j] * reach_before[j][k] for j in range(n)) for k in range(n + 2)]
-        once = [
-            before[0] + once[0] + later[0],
-            before[1] + once[1] + later[1],
-            *(before[k] + later[k] for k in range(2, n + 2)),
+    once, reached = [0.0] * (n + 2), [[1.0 if k == 2 + i else 0.0 for k in range(n + 2)] for i in range(n)]
+    for span, part in holds:
+        power, integral = exponential(a, span)
+        own, size = _hold(body, integral, power, part)
+        later = [sum(own[2 + j] * reached[j][k] for j in range(n)) for k in range(n + 2)]
+        once = [value + (own[k] if k < 2 else 0.0) + later[k] for k, value in enumerate(once)]
+        reached = [
+            [(row[k] if k < 2 else 0.0) + sum(row[2 + j] * reached[j][k] for j in range(n)) for k in range(n + 2)]
+            for row in size
         ]
     # Where a position is compared with an edge, and where a state is told from another centre, it is rounded, too.
     for j in range(n):
@@ -78,7 +86,7 @@ def make_drift(body: Body, wall: Controller) -> Drift:
         units=units,
         blur=MARGIN * overlap * blur,
         coast=MARGIN * _coast(body, a, units, spans),
-        bottom=deepest_level(wall),
+        bottom=deepest_level(wall) if law is None else -inf,
     )
 
 

@@ -12,7 +12,7 @@ from hknob_cli.engine.general.sets.friction_piece import move_piece, part_piece
 from hknob_cli.engine.general.sets.friction_rest import UNKNOWN, resting_piece
 from hknob_cli.engine.general.sets.known import NO_ROOM, blame, captor, fate_of, is_proven, seek
 from hknob_cli.engine.general.sets.lattice import keep
-from hknob_cli.engine.general.sets.memory import begin_memory, watched
+from hknob_cli.engine.general.sets.memory import watched
 from hknob_cli.engine.general.sets.piece import (
     BEFORE,
     COUNT,
@@ -161,21 +161,3 @@ def follow_friction(room, work, waiting, delay, width, patience, budget, limit, 
         if fate != PARTED:
             ended += 1
     return waiting, ended, undecided, taken
-
-
-def sample_with_law(starts, first, stop, _patience, budget, limit, ends, room, drift, known, body, wall):
-    """Count where the trials from single states end under a law: as `box.sample_box`."""
-    taken, unproven = 0, 0
-    for k in range(first, stop):
-        for j in range(body.order):
-            room.own_z[j] = 0.0
-        room.own_z[0], room.own_z[1] = starts[2 * k], starts[2 * k + 1]
-        begin_memory(known.law, acting(room.own_z[0], drift.bottom, known.law.watch), room.own_ring)
-        row, used = seek(room.own_z, 0.0, room.own_ring, 0, budget, limit, known, body, wall)
-        taken += used
-        ends[k] = row
-        if row < 0:
-            unproven += 1
-        else:
-            known.table[row * FIELDS + 6] += 1.0
-    return taken, unproven

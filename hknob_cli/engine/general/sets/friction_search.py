@@ -19,19 +19,14 @@ from hknob_cli.engine.general.sets.friction_room import can_rub, friction_drift,
 from hknob_cli.engine.general.sets.scope import make_scope
 from hknob_cli.engine.general.sets.search import GeneralSetEngine
 from hknob_cli.engine.outcome import Outcome, Reason
-from hknob_cli.engine.sets.search import SLICE, Box
+from hknob_cli.engine.sets.search import SLICE
 
 LONGEST = 20_000_000  # samples that a cell may take: a minute or two
 SLICE_INTERPRETED = 2000  # samples between two chances to be interrupted
 
 
 class FrictionSetEngine(GeneralSetEngine):
-    """Follows sets of states of knob and hand with friction, plain or compiled. One per thread.
-
-    ``law``: of a controller, as `laws.law` has it, in the engine's own arrays or lists; None without one.
-    """
-
-    law: Any = None
+    """Follows sets of states of knob and hand with friction, plain or compiled. One per thread."""
 
     def able(self, body: Body, wall: Controller) -> bool:
         """Whether this engine follows sets of states of a cell."""
@@ -60,15 +55,9 @@ class FrictionSetEngine(GeneralSetEngine):
             return as_arrays(body), Drift._make(np.array(v) if isinstance(v, list) else v for v in drift), known
         return body, drift, known
 
-    def dimensions(self, body: Body) -> int:
-        """In how many numbers the states of a piece differ: a torque that lags is the same for all."""
-        return plane_of(body).order
-
-    def _fill(
-        self, states: Box, room: Any, delay_line: int, drift: Drift, known: Known, body: Body, wall: Controller
-    ) -> int:
-        """As that of `GeneralSetEngine`."""
-        return super()._fill(states, room, delay_line, drift, known, plane_of(body), wall)
+    def plane(self, body: Body) -> Body:
+        """As that of `GeneralSetEngine`: a torque that lags is the same for all states of a piece."""
+        return plane_of(body)
 
     def _filled(self, values: list[float]) -> Any:
         return np.array(values, dtype=np.float64) if self.compiled else list(values)

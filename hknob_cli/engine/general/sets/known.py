@@ -8,18 +8,19 @@ from hknob_cli.engine.certificate import PROVEN
 from hknob_cli.engine.follow import CYCLE_PROVEN, GREW, REST_PROVEN, UNSETTLED
 from hknob_cli.engine.general.body import distance
 from hknob_cli.engine.general.captured import FIELDS
-from hknob_cli.engine.general.controller import command, inside, read
+from hknob_cli.engine.general.controller import inside, read
 from hknob_cli.engine.general.follow import KNOWN
 from hknob_cli.engine.general.sets.memory import (
     advance_memory,
     certify_again,
+    copy_settled,
     counted_alike,
     enter_end,
     find_end,
     memory_apart,
+    rest_within,
     store_memory,
 )
-from hknob_cli.engine.general.standstill import rest_rounding, settles
 from hknob_cli.engine.rest import AT_REST
 
 POINTS_OF_ORBIT = 64  # samples of an orbit, where the wall steps deeper, at which sets are compared with it
@@ -138,20 +139,20 @@ def captor(z, before, ring, head, reach, known, body, wall):
     return -1
 
 
-def resting(z, before, ring, reach, known, body, wall):
-    """Row of the rest inside one reading where every state within ``reach`` of ``z`` ends; -1 if none is known to."""
-    n, space, shown = body.order, known.space, read(z[0], wall)
-    fate, gap = settles(z, shown, before, ring, body, wall, space.orbit, space.away)
+def resting(z, before, ring, reach, level, known, body, wall):
+    """Row of the rest inside one reading where every state within ``reach`` of ``z`` ends; -1 if none is known to.
+
+    ``level``: the reading as which all of them act.
+    """
+    n, space = body.order, known.space
+    fate, shown, gap, push, bound = rest_within(known.law, z, level, before, ring, body, wall, space.orbit, space.away)
     if fate != AT_REST:
         return -1
-    # `settles` has left in ``away`` how far ``z`` is from the rest.
-    bound = rest_rounding(z, space.orbit[0], command(shown, shown, wall), body)
-    if not (distance(space.away, body) + body.reach * reach) * (1.0 + 1e-9) + 1e-12 + bound < gap:
+    if not (distance(space.away, body) + push + body.reach * reach) * (1.0 + 1e-9) + 1e-12 + bound < gap:
         return -1
     for j in range(n):
         known.z[j] = space.orbit[j]
-    for j in range(len(ring)):
-        known.ring[j] = ring[j]
+    copy_settled(known.law, ring, known.ring)
     return add_end(REST_PROVEN, 1, shown, 0 * len(ring), known, body, wall)
 
 

@@ -25,23 +25,24 @@ from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.laws.law import Law
 from hknob_cli.engine.general.laws.step import begin_past
-from hknob_cli.engine.general.sets import box, friction_box
+from hknob_cli.engine.general.sets import box
 from hknob_cli.engine.general.sets.drift import Drift
 from hknob_cli.engine.general.sets.ends import Known
-from hknob_cli.engine.general.sets.friction_room import plane_of
 from hknob_cli.engine.general.sets.friction_search import LONGEST, FrictionSetEngine
 from hknob_cli.engine.general.sets.piece import BEFORE, STATE, piece_size
+from hknob_cli.engine.general.sets.room import PieceRoom
 from hknob_cli.engine.general.sets.scope import Scope
+from hknob_cli.engine.general.sets.search import GeneralSetEngine
 from hknob_cli.engine.sets.search import SAMPLED, Box
 
 PHASES = LONGEST // 5  # samples that all phases of one start may take beside friction: some ten seconds
 PHASES_ALONE = LONGEST // 2  # without friction, after which trials are followed, too
 
 
-class LawSetEngine(FrictionSetEngine):
-    """Follows sets of states of one cell under its ``law``, which is as `laws.search.LawEngine` makes it ready.
+class _UnderLaw(GeneralSetEngine):
+    """What sets of states under a ``law`` have in common; it is as `laws.search.LawEngine` makes it ready.
 
-    Its searches want ``delay_line`` to be the length of what is remembered.
+    Searches want ``delay_line`` to be the length of what is remembered.
     """
 
     def __init__(
@@ -51,19 +52,17 @@ class LawSetEngine(FrictionSetEngine):
         stopped: Callable[[], bool] = lambda: False,
         patience: Patience = USUAL,
     ) -> None:
-        """Make ready; ``functions``: the compiled group "friction sets"."""
+        """Make ready; ``functions``: the compiled group of the engine."""
         super().__init__(functions, stopped, patience)
         self.law = law
-
-    def longest_phases(self, body: Body) -> int:
-        """Samples that all clock phases of one start may take when no time is set."""
-        return PHASES if body.friction > 0.0 else PHASES_ALONE
 
     def _fill(
         self, states: Box, room: Any, delay_line: int, drift: Drift, _known: Known, body: Body, _wall: Controller
     ) -> int:
         """As that of `GeneralSetEngine`; each piece remembers what the law does before it reads the first time."""
-        waiting = int(self._function(box, "fill_box")(*states, delay_line, room, drift, plane_of(body), self.law.watch))
+        waiting = int(
+            self._function(box, "fill_box")(*states, delay_line, room, drift, self.plane(body), self.law.watch)
+        )
         size = piece_size(body.order, delay_line)
         past = self._zeros(delay_line)
         for k in range(waiting):
@@ -74,8 +73,16 @@ class LawSetEngine(FrictionSetEngine):
         return waiting
 
     def sampler(self) -> Callable[..., Any]:
-        """What counts the ends of single states, `friction_box.sample_with_law`."""
-        return self._function(friction_box, "sample_with_law")
+        """What counts the ends of single states, `box.sample_with_law`."""
+        return self._function(box, "sample_with_law")
+
+
+class LawSetEngine(_UnderLaw, FrictionSetEngine):
+    """Follows sets of states of knob and hand under a law, beside friction or without; the group "friction sets"."""
+
+    def longest_phases(self, body: Body) -> int:
+        """Samples that all clock phases of one start may take when no time is set."""
+        return PHASES if body.friction > 0.0 else PHASES_ALONE
 
     def by_area(self, body: Body) -> bool:
         """Whether shares of ranges are areas, which friction does not keep."""
@@ -92,3 +99,15 @@ class LawSetEngine(FrictionSetEngine):
         for row in range(int(known.counts[0])):
             known.table[row * FIELDS + 6] = 0.0
         return taken, 0, SAMPLED
+
+
+class LawStatesEngine(_UnderLaw):
+    """Follows sets of more states under a law, without friction, as beside a finger; the group "general sets"."""
+
+    def longest(self, _body: Body) -> int:
+        """As that of `FrictionSetEngine`."""
+        return LONGEST
+
+    def room(self, body: Body, delay_line: int) -> PieceRoom:
+        """As that of `GeneralSetEngine`."""
+        return super().room(body, delay_line)._replace(law=self.law)

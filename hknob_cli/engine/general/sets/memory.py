@@ -6,20 +6,27 @@ and then `general.controller` commands. Memory is one array, the commands under 
 """
 
 from hknob_cli.engine.budget import TrialBudget
-from hknob_cli.engine.certificate import DIFFERENT, NOT_CAPTURED, PROVEN
+from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NOT_CAPTURED, PROVEN
 from hknob_cli.engine.general.body import copy_to
 from hknob_cli.engine.general.controller import command, read
 from hknob_cli.engine.general.ensemble import enter
 from hknob_cli.engine.general.follow import follow_trial
+from hknob_cli.engine.general.inner_region import ROUNDINGS
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.laws.cascade import faded, pushed_apart, same_count, sums_agree, torques_apart
 from hknob_cli.engine.general.laws.follow import follow_with_law
 from hknob_cli.engine.general.laws.period import certify_with_law
-from hknob_cli.engine.general.laws.rest import settled_torque
+from hknob_cli.engine.general.laws.rest import find_balance, settled_torque
 from hknob_cli.engine.general.laws.step import advance_with_law, begin_past, decide
 from hknob_cli.engine.general.laws.trials import enter_with_law
-from hknob_cli.engine.general.sets.readings import acting
-from hknob_cli.engine.general.standstill import steady
+from hknob_cli.engine.general.sets.readings import acting, highest, lowest, remembered
+from hknob_cli.engine.general.standstill import rest_rounding, settles, steady
+from hknob_cli.engine.rest import AT_REST, MOVING
+
+
+def is_plain(law):
+    """Whether the wall commands by itself."""
+    return law is None
 
 
 def watched(law, wall):
@@ -50,6 +57,14 @@ def begin_memory(law, level, ring):
             ring[j] = 0.0
         return
     begin_past(ring, level, law)
+
+
+def begin_at(law, level, ring, wall):
+    """Leave in ``ring`` what is remembered at a first sample that acts as ``level``, and the last reading then."""
+    if law is None:
+        return remembered(level, wall)
+    begin_past(ring, level, law)
+    return 0.0
 
 
 def command_all(law, level, before, ring, wall, torques):
@@ -140,6 +155,30 @@ def certify_again(law, period, known, body, wall):
         copy_to(known.ring, law.periodic)
         return PROVEN, margin, bound, law.room[0]
     return DIFFERENT, 0.0, 0.0, 0.0
+
+
+def rest_within(law, z, level, before, ring, body, wall, orbit, away):
+    """Where a motion without friction that acts as ``level`` comes to rest: ``(fate, shown, gap, push, bound)``.
+
+    ``shown``: the reading there; ``gap``: how far it is from a change of torque; ``push``: by how much torques that
+    still change may carry the motion away; ``bound``: on all roundings, in counts. The rest is left in ``orbit``, and
+    how far ``z`` is from it in ``away``.
+    """
+    if law is None:
+        shown = read(z[0], wall)
+        fate, gap = settles(z, shown, before, ring, body, wall, orbit, away)
+        if fate != AT_REST:
+            return fate, shown, gap, 0.0, 0.0
+        return fate, shown, gap, 0.0, rest_rounding(z, orbit[0], command(shown, shown, wall), body)
+    still, u, wrong, left = settled_torque(z[0], level, ring, wall, law)
+    if not still or not find_balance(u, body, orbit):
+        return MOVING, level, 0.0, 0.0, 0.0
+    for j in range(body.order):
+        away[j] = z[j] - orbit[j]
+    gap = min(orbit[0] - lowest(level, -float("inf"), law.watch), highest(level, law.watch) - orbit[0])
+    # Under a torque that is off by so much the knob swings about another rest, and comes as far beyond that.
+    bound = rest_rounding(z, orbit[0], abs(u) + 2.0 * wrong / (ROUNDINGS * EPSILON), body)
+    return AT_REST, read(orbit[0], wall), gap, pushed_apart(left, z[0], body), bound
 
 
 def settle_memory(law, x, level, before, ring, wall):

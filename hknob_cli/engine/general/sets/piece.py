@@ -12,6 +12,7 @@ states differ in angle and speed alone, two).
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import norm_at
 from hknob_cli.engine.general.sets.ball import step_through
+from hknob_cli.engine.general.sets.memory import watched
 from hknob_cli.engine.general.sets.readings import count_levels, highest, lowest, next_level
 
 CORNERS = 16  # that a piece keeps; one with more is halved, for a simpler one around it might never shrink
@@ -148,7 +149,7 @@ def move_piece(room, waiting, z, before, ring, head, error, level, sample, weigh
     for j in range(delay):
         room.ring[j] = room.stack[base + STATE + n + j]
     remembers, grown, to = step_through(
-        room.z, before, room.stack[base + ERROR], level, room.ring, 0 * delay, drift, body, wall, room.pad
+        room.law, room.z, before, room.stack[base + ERROR], level, room.ring, 0 * delay, drift, body, wall, room.pad
     )
     room.stack[base + ERROR], room.stack[base + BEFORE] = grown, remembers
     for j in range(n):
@@ -198,13 +199,13 @@ def part(
     ``low`` and ``high``: the readings it has; ``reach``: position by which each part goes beyond its edges. So whatever
     a state truly reads, a part that acts as this reading holds the state. Parts with too many corners are halved, too.
     """
-    n = body.order
-    if waiting + 2 * count_levels(low, high, wall) > len(room.stack) // piece_size(n, len(ring)):
+    n, watch = body.order, watched(room.law, wall)
+    if waiting + 2 * count_levels(low, high, watch) > len(room.stack) // piece_size(n, len(ring)):
         return -1
     level = low
     while level <= high:
-        bottom = lowest(level, drift.bottom, wall) - reach - z[0]
-        kept = within(room, corners, count, bottom, highest(level, wall) + reach - z[0], n)
+        bottom = lowest(level, drift.bottom, watch) - reach - z[0]
+        kept = within(room, corners, count, bottom, highest(level, watch) + reach - z[0], n)
         if kept > CORNERS:
             kept, other = halve(room, kept, n)
             waiting = move_piece(
@@ -242,5 +243,5 @@ def part(
                 body,
                 wall,
             )
-        level = next_level(level, wall)
+        level = next_level(level, watch)
     return waiting

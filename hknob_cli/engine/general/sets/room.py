@@ -21,7 +21,7 @@ class PieceRoom(NamedTuple):
 
     ``stack``: pieces that wait; ``own``, ``own_z``, ``own_ring``, ``corners``: of the one that is followed; ``parts``
     to ``pad``: of one that is moved; ``used``, ``keys``, ``cells``, ``singles``: the lattice; ``taken``: its slots in
-    use, ``counts[0]`` many; ``scale[0]``: of commands, where they are told apart.
+    use, ``counts[0]`` many; ``scale[0]``: of commands, where they are told apart; ``law``: of a controller, or None.
     """
 
     stack: Any
@@ -45,6 +45,7 @@ class PieceRoom(NamedTuple):
     taken: Any
     counts: Any
     scale: Any
+    law: Any = None
 
 
 class ArcRoom(NamedTuple):

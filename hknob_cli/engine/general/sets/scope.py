@@ -6,6 +6,7 @@ from typing import NamedTuple
 from hknob_cli.engine.budget import FINEST, sample_limit, settling_samples, trial_scale
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller
+from hknob_cli.engine.general.laws.law import Law
 from hknob_cli.engine.general.search import MOST_SAMPLES
 from hknob_cli.engine.general.torque_range import torque_range
 
@@ -26,9 +27,13 @@ class Scope(NamedTuple):
     fine: bool
 
 
-def can_follow(body: Body, wall: Controller) -> bool:
-    """Whether sets of states of a cell can be followed: differences go by one matrix, decay, and have an energy."""
-    return body.friction == 0.0 and wall.analog == 0.0 and body.damped and body.reach < inf
+def can_follow(body: Body, wall: Controller, law: Law | None = None) -> bool:
+    """Whether sets of states of a cell can be followed: differences go by one matrix, decay, and have an energy.
+
+    A law is proven, and reads an encoder at samples alone. Of angle and speed under one `friction_room.can_rub` tells.
+    """
+    known = law is None or (law.provable and not law.senses and law.looks == 0 and body.order > 2)
+    return body.friction == 0.0 and wall.analog == 0.0 and body.damped and body.reach < inf and known
 
 
 def make_scope(body: Body, wall: Controller, x: float, v: float, rate: float, max_samples: int | None) -> Scope:

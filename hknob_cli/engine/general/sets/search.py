@@ -40,7 +40,12 @@ from hknob_cli.engine.sets.search import GENERATIONS, SAMPLED, SEEN, SLICE, WIDE
 
 
 class GeneralSetEngine:
-    """Follows sets of states of the general loop, plain or compiled; its work space is used again. One per thread."""
+    """Follows sets of states of the general loop, plain or compiled; its work space is used again. One per thread.
+
+    ``law``: of a controller, as `laws.law` has it, in the engine's own arrays or lists; None without one.
+    """
+
+    law: Any = None
 
     def __init__(
         self,
@@ -67,7 +72,7 @@ class GeneralSetEngine:
 
     def able(self, body: Body, wall: Controller) -> bool:
         """Whether this engine follows sets of states of a cell."""
-        return can_follow(body, wall)
+        return can_follow(body, wall, self.law)
 
     def longest(self, body: Body) -> int:
         """Samples that a cell may take when no time is set."""
@@ -85,9 +90,13 @@ class GeneralSetEngine:
         """Whether shares of a box are those of its area, whose pieces are not merged, and not of random starts."""
         return False
 
+    def plane(self, body: Body) -> Body:
+        """The body with the numbers in which the states of a piece may differ: all."""
+        return body
+
     def dimensions(self, body: Body) -> int:
-        """In how many numbers the states of a piece may differ; those of two are merged."""
-        return body.order
+        """In how many numbers the states of a piece may differ; pieces of two are merged."""
+        return self.plane(body).order
 
     def room(self, body: Body, delay_line: int) -> PieceRoom:
         """Work space for the pieces of a cell."""
@@ -99,8 +108,9 @@ class GeneralSetEngine:
 
     def ready(self, body: Body, wall: Controller, delay_line: int) -> tuple[Body, Drift, Known]:
         """Body, bounds and empty tables as the functions of this engine want them."""
-        drift = make_drift(body, wall)
-        known = make_known(self._zeros, body.order, delay_line, make_space(body.order, delay_line, self._zeros))
+        n = body.order
+        drift = make_drift(body, wall, self.law)
+        known = make_known(self._zeros, n, delay_line, make_space(n, delay_line, self._zeros), self.law)
         if self.compiled:
             return as_arrays(body), Drift._make(np.array(v) if isinstance(v, list) else v for v in drift), known
         return body, drift, known
@@ -288,7 +298,7 @@ class GeneralSetEngine:
         self, states: Box, room: Any, delay_line: int, drift: Drift, _known: Known, body: Body, wall: Controller
     ) -> int:
         """Let a box be all that waits; how many pieces, -1 where there is no room."""
-        return int(self._function(box, "fill_box")(*states, delay_line, room, drift, body, wall))
+        return int(self._function(box, "fill_box")(*states, delay_line, room, drift, self.plane(body), wall))
 
     def _sample(
         self, states: Box, scope: Scope, room: Any, cell: tuple[Any, ...], alarm: Alarm

@@ -126,6 +126,6 @@ def test_rest_captures_up_to_its_margin() -> None:
     shown = read(rest, wall)
     assert shown == 0.0
     reach = min(rest + 1.0, 1.0 - rest) / body.reach
-    assert resting([rest, 0.0], remembered(shown, wall), [], 1.01 * reach, known, body, wall) == -1
-    assert resting([rest, 0.0], shown + 1.0, [], 0.9 * reach, known, body, wall) == -1
-    assert resting([rest, 0.0], remembered(shown, wall), [], 0.98 * reach, known, body, wall) == 0
+    assert resting([rest, 0.0], remembered(shown, wall), [], 1.01 * reach, shown, known, body, wall) == -1
+    assert resting([rest, 0.0], shown + 1.0, [], 0.9 * reach, shown, known, body, wall) == -1
+    assert resting([rest, 0.0], remembered(shown, wall), [], 0.98 * reach, shown, known, body, wall) == 0

@@ -1,19 +1,25 @@
 """Tests of `engine.general.sets.drift`: no rounding exceeds its bound, by 60 digits, and no bound is worth nothing."""
 
 import random
+from math import inf
 
 import mpmath
 import pytest
 
 from hknob_cli.engine.general.body import ENTRY, Body, norm
+from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.interval import hold
-from hknob_cli.engine.general.sets.ball import step_error
+from hknob_cli.engine.general.laws.law import PIECE, SPAN, TORQUE
+from hknob_cli.engine.general.laws.step import begin_past, decide
+from hknob_cli.engine.general.sets.ball import step_error, step_through
 from hknob_cli.engine.general.sets.curve import drift_over
-from hknob_cli.engine.general.sets.drift import POWERS
+from hknob_cli.engine.general.sets.drift import POWERS, make_drift
 from hknob_cli.engine.general.sets.piece import largest_norm, move_corners
 from hknob_cli.scene.general_knob import GeneralKnob
 
 from .cells import KINDS, bounds, cell, zeros
+from .test_law_search import COIL, FINGER
+from .test_law_search import cell as cell_under
 
 CASES = [(kind, rate) for kind in KINDS for rate in (100.0, 10_000.0)]
 
@@ -73,6 +79,47 @@ def test_an_interval_adds_no_more_than_its_bound(kind: str, rate: float) -> None
             assert error <= bound
             largest = max(largest, error / bound)
         assert largest > 1e-3
+
+
+UNDER = {  # a controller, and what it is beside: torques of one, two and three parts of an interval
+    "finger": ("bounded lag", {"hand": FINGER}),
+    "finger, pulse, late": ("impulse, short", {"hand": FINGER, "actuator": {"delay_samples": 0.3}}),
+    "finger, coil, lag": (
+        "damping, differenced",
+        {"hand": FINGER, "motor": COIL, "actuator": {"time_constant": 2e-4, "torque_limit": 3e-3}},
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", UNDER)
+def test_an_interval_under_a_law_adds_no_more_than_its_bound(kind: str) -> None:
+    """The computed state against 60 digits, part by part, by the torques that the law commands; the bound is not empty."""
+    name, parts = UNDER[kind]
+    made, law, length = cell_under(name, **parts)
+    body, wall, n = made.knob.body, made.knob.wall, made.knob.body.order
+    drift, chance, largest = make_drift(body, wall, law), random.Random(kind), 0.0
+    with mpmath.workdps(60):
+        for _ in range(6):
+            z = [*random_state(made.knob._replace(body=body._replace(lag=0.0)), chance), *[0.0] * n][:n]
+            past, level = [0.0] * length, min(read(z[0], wall), 0.0)
+            begin_past(past, level, law)
+            for k in range(law.line, length):
+                past[k] = wall.kappa * chance.randrange(9)
+            told = list(past)
+            decide(level, 0.0, told, wall, law)
+            exact = mpmath.matrix(z)
+            for at in range(0, law.pieces * PIECE, PIECE):
+                u = told[int(law.sched[at + TORQUE])]
+                exact = exact_step(body, [exact[i] for i in range(n)], u, mpmath.mpf(law.sched[at + SPAN]))
+            moved = list(z)
+            before, bound, head = step_through(law, moved, 5.0, 0.0, level, past, 0, drift, body, wall, zeros(2 * n))
+            assert (before, head) == (0.0, 0)
+            assert past == told
+            error = apart(moved, exact, body)
+            assert error <= bound
+            largest = max(largest, error / bound)
+    assert largest > 1e-3
+    assert drift.bottom == -inf
 
 
 @pytest.mark.parametrize(("kind", "rate"), CASES)

@@ -10,14 +10,17 @@ import pytest
 
 from hknob_cli.controllers.scalar_law import LawKnob, make_law
 from hknob_cli.engine.attractors import Attractor, Patience, Search
+from hknob_cli.engine.general.advance import advance_span
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.laws.law import Law
 from hknob_cli.engine.general.laws.search import LawEngine
 from hknob_cli.engine.general.laws.step import begin_past
 from hknob_cli.engine.general.sets.friction_phases import fly
 from hknob_cli.engine.general.sets.friction_room import can_rub, plane_of
-from hknob_cli.engine.general.sets.law_search import LawSetEngine
+from hknob_cli.engine.general.sets.law_search import LawSetEngine, LawStatesEngine
+from hknob_cli.engine.general.sets.search import GeneralSetEngine
 from hknob_cli.engine.outcome import Outcome, Reason
+from hknob_cli.specs.electrical import reduced
 from hknob_cli.specs.scene import SceneSpec
 from tests.controllers.laws import EVERY
 from tests.engine.general.law_runs import states_with_law
@@ -29,6 +32,11 @@ SCENE: dict[str, Any] = {
     "wall": {"stiffness": 0.27},
     "bias": {"torque": 0.001},
 }
+FINGER = {
+    "finger": {"inertia": 3.0e-7, "damping": 2.9e-3, "stiffness": 0.4},
+    "fingerpad": {"damping": 3.8e-4, "stiffness": 0.05},
+}
+COIL = {"torque_constant": 0.0234, "resistance": 2.32, "winding": "shorted", "inductance": 2.4e-4}
 RUBS = {"knob": {"inertia": 1.9e-6, "coulomb_torque": 2.0e-4}}
 LATE = {"actuator": {"delay_samples": 1.0}}
 LAGS = {"actuator": {"delay_samples": 1.0, "time_constant": 5e-5}}
@@ -69,6 +77,17 @@ ESTIMATES: list[tuple[str, dict[str, Any]]] = [
     ("phase, Kalman", RUBS),
     ("phase, Kalman", {"actuator": {"delay_samples": 0.4}}),
 ]
+MORE_STATES: list[tuple[str, dict[str, Any]]] = [
+    ("bounded lag", {"hand": FINGER}),
+    ("damping, differenced", {"hand": FINGER} | LAGS),
+    ("speed, tracked", {"hand": FINGER} | LATE),
+    ("passivity", {"hand": FINGER, "actuator": {"torque_limit": 4e-3}}),
+    ("bounded lag", {"motor": COIL}),
+    ("phase, 90", {"hand": FINGER, "motor": COIL, "wall": {"stiffness": 0.27, "damping": 1e-5}}),
+    ("first-order hold", {"hand": FINGER, "detents": {"per_revolution": 100, "torque": 1e-3}}),
+]
+
+
 # Gains beyond what is stable, against limits, dead bands and steps.
 HOSTILE: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "timed, ten times too much": (
@@ -101,21 +120,28 @@ def cell(name: str, rate: float = 464.2, counts: int = 256, **parts: Any) -> tup
 
 def cell_of(controller: dict[str, Any], rate: float, counts: int, **parts: Any) -> tuple[LawKnob, Law, int]:
     """The same of a controller as a spec has it."""
-    plain = SceneSpec.model_validate({**SCENE, **parts, "controller": controller}).plain()
+    plain = reduced(SceneSpec.model_validate({**SCENE, **parts, "controller": controller}).plain())
     made = make_law(plain, sample_rate_hz=rate, counts_per_rev=counts)
     engine = LawEngine(made.law, patience=LONG)
     return made, engine.law, engine.past_length
 
 
-def search(made: LawKnob, law: Law, length: int, **limits: Any) -> Search | None:
-    """All clock phases of the start at 20 mrad."""
+def search(
+    made: LawKnob, law: Law, length: int, engine: type[GeneralSetEngine] | None = None, **limits: Any
+) -> Search | None:
+    """All clock phases of the start at 20 mrad; by the engine of more states where the body has them."""
     knob, given = made.knob, {"rate": made.rate, "delay_line": length, "max_samples": None, **limits}
-    return LawSetEngine(law, patience=LONG).search_phases(knob.body, knob.wall, knob.start(0.02, 0.0), **given)
+    kind: Any = engine or (LawStatesEngine if knob.body.ratio + knob.body.coil > 0.0 else LawSetEngine)
+    found: Search | None = kind(law, patience=LONG).search_phases(knob.body, knob.wall, knob.start(0.02, 0.0), **given)
+    return found
 
 
 def first_state(made: LawKnob, phase: float) -> list[float]:
     """State at the first sample of a clock phase: no torque acts before it."""
     start = made.knob.start(0.02, 0.0)
+    if made.knob.body.ratio + made.knob.body.coil > 0.0:
+        advance_span(start, 0.0, phase, made.knob.body, [0.0] * (2 * made.knob.body.order))
+        return start
     return [*fly(*start[:2], phase, plane_of(made.knob.body)), *start[2:]]
 
 
@@ -158,6 +184,32 @@ def test_phases_end_where_trials_end(name: str, parts: dict[str, Any]) -> None:
     follow_trials(*cell(name, **parts), trials=24)
 
 
+@pytest.mark.one_in(3)
+@pytest.mark.parametrize(("name", "parts"), MORE_STATES)
+def test_phases_of_more_states_end_where_trials_end(name: str, parts: dict[str, Any]) -> None:
+    """Beside a finger, a winding, and teeth that yield: of 24 trials."""
+    follow_trials(*cell(name, **parts), trials=24)
+
+
+@pytest.mark.one_in(3)
+@pytest.mark.parametrize("name", ["half sample", "bounded lag", "impulse, short", "speed, Kalman", "angle, filtered"])
+def test_both_engines_find_the_same(name: str) -> None:
+    """Arcs, and phases followed as thin pieces, with a torque that lags: the same list, shares to 2^-16 a boundary."""
+    made = cell(name, actuator={"time_constant": 2e-4})
+    one, other = search(*made), search(*made, LawStatesEngine)
+    assert one is not None
+    assert other is not None
+    assert one.complete
+    assert other.complete
+    listed = [
+        {(end.outcome, end.period, round(end.x, 6), round(end.v, 6)): end.trials for end in found.attractors}
+        for found in (one, other)
+    ]
+    assert listed[0].keys() == listed[1].keys()
+    for key, share in listed[0].items():
+        assert share == pytest.approx(listed[1][key], abs=2.0**-16 * other.pieces)
+
+
 @pytest.mark.parametrize("name", HOSTILE)
 def test_phases_end_where_trials_end_however_hostile_the_gains(name: str) -> None:
     """Of 24 trials."""
@@ -176,6 +228,8 @@ def test_what_is_not_followed() -> None:
     assert search(made, law, length) is None
     made, law, length = cell("bounded lag", hand={"inertia": 3e-7, "damping": 3.45e-4})
     assert search(made, law, length) is None
+    for name in ("half sample, sensor", "impulse, timed"):
+        assert search(*cell(name, hand=FINGER)) is None
 
 
 def test_too_few_samples_are_not_complete() -> None:
