@@ -86,8 +86,9 @@ ARC_CELLS = (
 )
 GENERAL_SETS = (
     *LAWS,
-    *(f"general.sets.{name}" for name in ("readings", "memory", "known", "ball", "piece", "lattice", "box")),
-    *(f"general.sets.{name}" for name in ("curve", "arc")),
+    *(f"general.sets.{name}" for name in ("readings", "memory", "turns", "swings", "known", "ball", "piece", "parts")),
+    *(f"general.sets.{name}" for name in ("lattice", "box")),
+    *(f"general.sets.{name}" for name in ("curve", "arc_parts", "arc")),
     *(f"sets.{name}" for name in ("polygon", "region")),
 )
 FRICTION_SETS = (

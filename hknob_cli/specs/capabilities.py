@@ -172,8 +172,8 @@ _TABLE = {
     "dead_band":       "--P-P ---PPPP -EE~ ----~",
     "rounding":        "PEPPP PPPPPPP PEE~ ~P~E~",
     "offset":          "PEPPP PPPPPPP PEE~ ~P~E~",
-    "hysteresis":      "--P-P ------- -EE~ ~----",
-    "backlash":        "--P-P ------- -EE~ ~----",
+    "hysteresis":      "--P-P ---P-P- -EE~ ~----",
+    "backlash":        "--P-P ---P-P- -EE~ ~----",
     "bare":            "--PPE ------- -EE~ ---E-",
     "jitter":          "--E-E ------- -EE- -----",
     "unsampled":       "---P- ------- -E-- ---E-",
@@ -233,12 +233,13 @@ VERDICTS = _rows()
 # Pairs of parts whose verdict in a column is lower than that of each of them.
 EXCEPTIONS = {
     **{
-        (part, "virtual_damping", "general"): (
+        (part, "virtual_damping", column): (
             REFUSED,
             "the plain wall remembers one count there, not those of the last turning point and of the last sample: "
             "it is followed as a controller",
         )
         for part in ("hysteresis", "backlash")
+        for column in ("general", "general_sets")
     },
     ("friction", "bare", "general"): (EXACT, "the period map is not shown to contract"),
     ("friction", "speed_sensor", "laws"): (EXACT, "the torque follows the motion, which is not affine"),

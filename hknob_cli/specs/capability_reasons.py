@@ -21,8 +21,6 @@ _NOT_A_BALL = {
     "it is of a knob that nothing holds": ("cogging",),
 }
 _STATE_BY_STATE = (
-    ("hysteresis", "the count goes by turning points, which differ within a set"),
-    ("backlash", "the count goes by turning points, which differ within a set"),
     ("bare", "the torque differs within a set"),
     ("play", "teeth part at different times within a set"),
     ("cogging", "a set is torn on an unstable slope of the torque"),
@@ -78,6 +76,8 @@ WHY = {
     ("people", "relay"): "its spec has no population",
     ("people", "formulas"): "its spec has no population",
     ("people", "bench"): "its spec has no population",
+    ("hysteresis", "friction_sets"): "where friction stops the knob a place is no affine function of its start",
+    ("backlash", "friction_sets"): "where friction stops the knob a place is no affine function of its start",
     ("speed_sensor", "friction_sets"): "the torque depends on the velocity itself",
     ("speed_sensor", "law_sets"): "the torque depends on the velocity itself",
     ("several_readings", "law_sets"): "sets of more than angle and speed are cut at samples alone",

@@ -250,7 +250,7 @@ def test_the_longest_key_that_is_said_whole() -> None:
     assert dotted(("a" * 60, "b" * 61)) == f"{'a' * 60}.{'b' * 57}..."
 
 
-@pytest.mark.parametrize(("part", "what"), [("hysteresis", "hysteresis of the encoder"), ("cogging", "cogging torque")])
+@pytest.mark.parametrize(("part", "what"), [("play", "backlash of a gear"), ("cogging", "cogging torque")])
 def test_a_controller_is_named_beside_what_hinders_it(part: str, what: str) -> None:
     for kind in ("one", "ranges"):
         assert _hindrance(frozenset({"controller", part}), kind) == f"a controller beside {what}"
@@ -271,8 +271,8 @@ def test_a_key_says_what_it_is_in_the_schema() -> None:
 
 
 def test_a_controller_of_which_a_part_hinders_is_not_named_twice() -> None:
-    said = _hindrance(frozenset({"controller", "speed_sensor", "hysteresis"}), "one")
-    assert said == "hysteresis of the encoder and a controller that reads a velocity sensor"
+    said = _hindrance(frozenset({"controller", "speed_sensor", "cogging"}), "one")
+    assert said == "a controller that reads a velocity sensor and cogging torque"
 
 
 def test_each_of_two_parts_that_hinder_one_engine_is_named() -> None:

@@ -1,4 +1,4 @@
-"""All starts under a controller beside a finger, a shorted winding or teeth that yield, against random starts apart.
+"""All starts beside a finger, a winding, teeth that yield or hysteresis, under controllers, too, against random starts.
 
 The plants are matrix exponentials in SI, each from its own rates; the controllers are those of
 `tests.controllers.laws`, written once more from their sources, one for each start. Neither shares code with the
@@ -6,6 +6,7 @@ package.
 """
 
 import random
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,12 +15,15 @@ from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from hknob_cli.controllers.scalar_law import make_law
-from hknob_cli.engine.attractors import Search
+from hknob_cli.engine.attractors import Attractor, Search
+from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.laws.search import LawEngine
 from hknob_cli.engine.general.sets.law_search import LawStatesEngine
+from hknob_cli.engine.general.sets.search import GeneralSetEngine
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.sets.search import Box
+from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.specs.electrical import reduced
 from hknob_cli.specs.scene import SceneSpec
 from tests.controllers.laws import EVERY
@@ -30,6 +34,7 @@ from .general_scenes import GRASP, RINGING, TWO_PARTS, scene
 from .general_starts import matrix
 from .over_angle_reference import torques
 
+FINE = 64  # parts of a hold after which a count with hysteresis is looked at
 ANGLE, VELOCITY = 0.02, 2.0  # of starts, to either side
 PUSH = 1e-3
 COIL = {"motor": {"torque_constant": 0.0234, "resistance": 2.32, "winding": "shorted", "inductance": 2.4e-4}}
@@ -96,11 +101,15 @@ def settle(
     if "gear" in parts:  # what the controller's model has is the motor
         ratio = parts["gear"]["ratio"]
         plain |= {"knob": {"inertia": parts["gear"]["motor_inertia"] * ratio**2}, "hand": {}}
-    laws = [law_of(Rig(plain, rate, counts), parts["controller"]) for _ in range(many)]
+    laws = [law_of(Rig(plain, rate, counts), parts.get("controller")) for _ in range(many)]
     over, maps, line = torques(parts, int(counts)), {}, [np.zeros(many)] * int(actuator.get("delay_samples", 0.0))
     step, limit = ratio * actuator.get("torque_step", 0.0), ratio * actuator.get("torque_limit", np.inf)
+    half = 0.5 * parts.get("encoder", {}).get("hysteresis_counts", 0.0)
+    count = np.floor(z[0] / quantum)
+    fine = FINE if half > 0.0 else 1
     for _ in range(samples):
-        shown = np.floor(z[0] / quantum) * quantum
+        count = np.clip(count, np.floor(z[0] / quantum - half), np.floor(z[0] / quantum + half))
+        shown = count * quantum
         pieces = [law.command(float(at), float(w), []) for law, at, w in zip(laws, shown, z[1], strict=True)]
         assert not line or len(pieces[0]) == 1
         for part, (_, span) in enumerate(pieces[0]):
@@ -112,47 +121,72 @@ def settle(
             line.append(np.clip(torque, -limit, limit))
             z[-2] = line.pop(0)
             if span not in maps:
-                maps[span] = expm(a * span)
-            z = maps[span] @ z
+                maps[span] = expm(a * span / fine)
+            for _ in range(fine):
+                z = maps[span] @ z
+                count = np.clip(count, np.floor(z[0] / quantum - half), np.floor(z[0] / quantum + half))
     return z[0], z[1]
 
 
+Orbit = Callable[[Attractor], NDArray[np.float64]]
+
+
+def follow_box(
+    parts: dict[str, Any], rate: float, counts: int, seconds: float | None
+) -> tuple[Search | None, Any, Orbit]:
+    """What all starts of a box end in, the cell, and the states at the samples of one period of an orbit."""
+    plain, functions = reduced(SceneSpec.model_validate(parts).plain()), compiled("general sets")
+    cell: dict[str, Any] = {"sample_rate_hz": rate, "counts_per_rev": counts}
+    given: dict[str, Any] = {"max_samples": None, "seconds": seconds}
+    sets: GeneralSetEngine
+    if "controller" in parts:
+        made = make_law(plain, **cell)
+        engine, knob, law = LawEngine(made.law, functions), made.knob, LawEngine(made.law).law
+        sets, known = LawStatesEngine(engine.law, functions), made.law.provable
+        given |= {"rate": made.rate, "delay_line": engine.past_length}
+    else:
+        knob, known = sample_general(plain, **cell), True
+        sets = GeneralSetEngine(functions)
+        given |= {"rate": knob.rate, "delay_line": knob.delay_line}
+    box = Box(knob.position(-ANGLE), knob.position(ANGLE), knob.speed(-VELOCITY), knob.speed(VELOCITY))
+    found = sets.search_box(knob.body, knob.wall, box, **given)
+    assert found is not None or not known
+
+    def orbit(one: Attractor) -> NDArray[np.float64]:
+        z, line, before, head, states = [one.x, one.v, *one.state], list(one.line), one.before, 0, []
+        if "controller" in parts:
+            return states_with_law(knob, law, z, line, one.period)
+        for _ in range(one.period):
+            states.append(list(z))
+            pad = [0.0] * (2 * knob.body.order)
+            before, head = advance(z, before, line, head, knob.body, knob.wall, pad)  # type: ignore[no-untyped-call]
+        return np.array(states)
+
+    return found, knob, orbit
+
+
 def every_start(
-    controller: str, more: dict[str, Any], rate: float, counts: int, starts: int, seconds: float | None = None
+    controller: str | None, more: dict[str, Any], rate: float, counts: int, starts: int, seconds: float | None = None
 ) -> Search | None:
     """What all starts of a box end in; random ones lie, when they have settled, on an orbit of it, or rest."""
-    parts = {**scene(**more), "controller": EVERY[controller]}
+    parts = scene(**more)
+    if controller:
+        parts["controller"] = EVERY[controller]
     turns = parts.get("gear", {}).get("ratio", 1.0)
-    made = make_law(
-        reduced(SceneSpec.model_validate(parts).plain()), sample_rate_hz=rate, counts_per_rev=int(counts / turns)
-    )
-    functions, knob = compiled("general sets"), made.knob
-    engine = LawEngine(made.law, functions)
-    box = Box(knob.position(-ANGLE), knob.position(ANGLE), knob.speed(-VELOCITY), knob.speed(VELOCITY))
-    found = LawStatesEngine(engine.law, functions).search_box(
-        *(knob.body, knob.wall, box),
-        rate=made.rate,
-        delay_line=engine.past_length,
-        max_samples=None,
-        seconds=seconds,
-    )
-    if found is None:
-        assert not made.law.provable
-        return found
-    if not found.complete:
+    found, knob, orbit = follow_box(parts, rate, int(counts / turns), seconds)
+    if found is None or not found.complete:
         return found
     assert all(one.certified for one in found.attractors)
     chance = np.random.default_rng(3)
     begun = np.column_stack([chance.uniform(-ANGLE, ANGLE, starts), chance.uniform(-VELOCITY, VELOCITY, starts)])
-    theta, omega = settle(parts, rate, counts, int(40.0 / made.rate) + 200, begun)
+    theta, omega = settle(parts, rate, counts, int(40.0 / knob.rate) + 1500, begun)
     x, v = theta / knob.quantum_rad, omega * knob.period_s / knob.quantum_rad
-    near, law = np.zeros(starts, dtype=bool), LawEngine(made.law).law
+    near = np.zeros(starts, dtype=bool)
     for one in found.attractors:
         if one.outcome is Outcome.REST:
-            near |= (np.abs(v) < 1e-6) & (np.floor(x) == np.floor(one.x))
+            near |= (np.abs(v) < 1e-6) & (np.abs(x - one.x) < 1e-6)
             continue
-        state = [one.x, one.v, *one.state]
-        for at_x, at_v, *_ in states_with_law(knob, law, state, list(one.line), one.period):
+        for at_x, at_v, *_ in orbit(one):
             near |= (np.abs(x - at_x) < 1e-6) & (np.abs(v - at_v) < 1e-6)
     assert near.all(), f"{np.count_nonzero(~near)} starts end elsewhere, the first at {x[~near][0]}, {v[~near][0]}"
     return found
@@ -167,15 +201,48 @@ def test_random_starts_end_in_the_list(name: str) -> None:
     assert found.complete
 
 
-def random_case(seed: int) -> tuple[str, dict[str, Any], float, int]:
-    """A controller beside a finger, a winding, both, or teeth, and what else there may be: rate and counts, too."""
+def behind(width: float, **more: Any) -> dict[str, Any]:
+    """With an encoder of so much hysteresis, in counts."""
+    return {"encoder": {"hysteresis_counts": width}, **more}
+
+
+HYSTERESIS: dict[str, tuple[str | None, dict[str, Any], float, int]] = {
+    "narrow": (None, behind(0.1), 1000.0, 1024),
+    "half a count": (None, behind(0.5), 464.0, 256),
+    "one count, fast": (None, behind(1.0), 4641.0, 512),
+    "wide": (None, behind(2.3), 1000.0, 512),
+    "late": (None, behind(0.5, actuator=LATE), 464.0, 512),
+    "limit, step": (None, behind(0.3, actuator={"torque_limit": 4e-3, "torque_step": 1e-4}), 700.0, 512),
+    "finger": (None, behind(0.5, hand=TWO_PARTS), 464.0, 256),
+    "finger, wide": (None, behind(1.5, hand=TWO_PARTS), 1000.0, 256),
+    "coil": (None, behind(0.2, **COIL), 1000.0, 512),
+    "detents": (None, behind(0.4, detents={"per_revolution": 24, "torque": 3e-3}), 464.0, 256),
+    "bounded lag": ("bounded lag", behind(0.5), 464.0, 256),
+    "differenced, late": ("damping, differenced", behind(0.2, actuator=LATE), 1000.0, 512),
+    "impulse": ("impulse, short", behind(0.3), 464.0, 512),
+    "tracked, finger": ("speed, tracked", behind(0.4, hand=TWO_PARTS), 464.0, 256),
+    "Kalman": ("speed, Kalman", behind(1.2), 464.0, 512),
+}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", HYSTERESIS)
+def test_random_starts_behind_hysteresis_end_in_the_list(name: str) -> None:
+    """Each of 100; the reference looks at the count 64 times in a hold."""
+    found = every_start(*HYSTERESIS[name], 100)
+    assert found
+    assert found.complete
+
+
+def random_case(seed: int) -> tuple[str | None, dict[str, Any], float, int]:
+    """A controller, or none, beside a finger, a winding, teeth or hysteresis, and more; rate and counts."""
     chance = random.Random(seed)
     names = [
         name
         for name, one in EVERY.items()
         if one.get("velocity") != "sensor" and one.get("detections", 1) == 1 and "filtered, in steps" not in name
     ]
-    controller, kind = chance.choice(names), chance.choice(["finger", "finger", "coil", "both", "teeth"])
+    controller, kind = chance.choice(names), chance.choice(["finger", "coil", "both", "teeth", "encoder"])
 
     def near(value: float, decades: float = 0.5) -> float:
         return float(value * 10.0 ** chance.uniform(-decades, decades))
@@ -201,7 +268,14 @@ def random_case(seed: int) -> tuple[str, dict[str, Any], float, int]:
         actuator["torque_step"] = near(1e-4, 0.3)
     if actuator:
         more["actuator"] = actuator
-    return controller, more, float(round(near(600.0))), chance.choice([128, 256, 512, 1024])
+    if kind == "encoder" or chance.random() < 0.3:
+        more["encoder"] = {"hysteresis_counts": near(0.5, 0.7)}
+    return (
+        controller if chance.random() < 0.8 else None,
+        more,
+        float(round(near(600.0))),
+        chance.choice([128, 256, 512, 1024]),
+    )
 
 
 @pytest.mark.long

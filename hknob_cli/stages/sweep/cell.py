@@ -116,7 +116,7 @@ class CellFinder:
             return self._find_unsampled(plan, cell)
         if group == "bounces":
             return self._find_growth(plan, cell)
-        if group == "laws" or scene.controller is not None:
+        if group == "laws" or (group in ("general sets", LAW_SETS) and group_of(scene) == "laws"):
             return self._find_with_law(plan, cell, group)
         if group in ("general", "general sets", "friction sets"):
             return self._find_general(plan, cell, group)

@@ -17,7 +17,7 @@ from hknob_cli.engine.follow import CYCLE_ON_EDGE, CYCLE_PROVEN, REST_PROVEN, UN
 from hknob_cli.engine.follow import GREW as GREW_FATE
 from hknob_cli.engine.general.body import Body, norm
 from hknob_cli.engine.general.captured import FIELDS
-from hknob_cli.engine.general.sets import arc
+from hknob_cli.engine.general.sets import arc, arc_parts
 from hknob_cli.engine.general.sets.arc import (
     ARC_BEFORE,
     ARC_ERROR,
@@ -73,7 +73,7 @@ def test_an_arc_waits_with_all_that_goes_on_from_it(order: int, delay: int) -> N
     assert arc_size(order, delay) == 7 - 1 + order + delay
     size, work = arc_size(order, delay), small_room(delay, 4, order)
     given = 0.25, 0.5, [3.0, 4.0, 5.0][:order], -1.0, [20.0, 10.0][:delay], 1, 0.125, -2.0, 7.0
-    assert arc.wait_arc(work, 2, *given, order) == 3
+    assert arc_parts.wait_arc(work, 2, *given, order) == 3
     assert work.stack[: 2 * size] == [9.0] * (2 * size)
     assert work.stack[2 * size : 3 * size] == [
         *(0.25, 0.5, 0.125, -1.0, -2.0, 7.0),
@@ -92,7 +92,7 @@ def moves(monkeypatch: pytest.MonkeyPatch) -> list[Answer]:
         told.append((list(z), middle, to, sample))
         rest[-1][0], rest[-1][1] = to, middle
 
-    monkeypatch.setattr(arc, "move_centre", move_centre)
+    monkeypatch.setattr(arc_parts, "move_centre", move_centre)
     return told
 
 
@@ -115,7 +115,7 @@ def test_an_arc_is_cut_at_two_phases(
     """Without a gap; each part is told from its own middle, with what that rounds, and has not moved on."""
     work, z, ring = small_room(delay), [3.0, 4.0], [20.0, 10.0][:delay]
     given = LOW_PHASE, HIGH_PHASE, first, last, z, -1.0, ring, 1, 0.25, SLACK, 7
-    assert arc.split_arc(work, 2, *given, DRIFT, BODY) == 2 + len(parts)
+    assert arc_parts.split_arc(work, 2, *given, DRIFT, BODY) == 2 + len(parts)
     assert moves == [([3.0, 4.0], 0.375, 0.5 * (low + high), 7) for low, high in parts]
     for k, (low, high) in enumerate(parts):
         told = [low, high, 0.25 + SLACK, -1.0, 0.0, 7.0, 0.5 * (low + high), 0.375, *[10.0, 20.0][:delay]]
@@ -130,7 +130,7 @@ class Parted:
 
     def __init__(self, patch: pytest.MonkeyPatch, left: float, right: float, levels: Any, **more: Any) -> None:
         self.delay, self.steps = more.get("delay", 0), []
-        patch.setattr(arc, "step_through", self.step_through)
+        patch.setattr(arc_parts, "step_through", self.step_through)
         self.work = small_room(self.delay, more.get("slots", 8))
         z = [0.5 * (left + right), 4.0]
         self.work.below[0], self.work.above[0] = left - z[0], right - z[0]
@@ -138,7 +138,7 @@ class Parted:
         wall, drift = more.get("wall", DAMPED), DRIFT._replace(bottom=more.get("bottom", -inf))
         given = LOW_PHASE, HIGH_PHASE, z, -9.0, self.ring, 1, 0.25, SLACK, more.get("reach", 0.0)
         at = more.get("sample", 7)
-        self.total = arc.part_arc(self.work, more.get("first", 2), *given, at, *levels, (None, drift, BODY, wall))
+        self.total = arc_parts.part_arc(self.work, more.get("first", 2), *given, at, *levels, (None, drift, BODY, wall))
         assert self.ring == [20.0, 10.0][: self.delay]
 
     def step_through(

@@ -11,6 +11,7 @@ from hknob_cli.engine.general.body import norm
 from hknob_cli.engine.general.sets.ball import step_through
 from hknob_cli.engine.general.sets.drift import Drift
 from hknob_cli.engine.general.sets.lattice import CELL, KEY, MEMBERS, keep, put_box, release, slot
+from hknob_cli.engine.general.sets.parts import part
 from hknob_cli.engine.general.sets.piece import (
     BEFORE,
     CORNERS,
@@ -27,7 +28,6 @@ from hknob_cli.engine.general.sets.piece import (
     largest_norm,
     move_corners,
     move_piece,
-    part,
     piece_size,
     power_of,
     put,

@@ -11,6 +11,7 @@ import pytest
 from hknob_cli.engine.attractors import Attractor, Patience, Search, StoppedError, whole
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.sets import arc, box, lattice, search
+from hknob_cli.engine.general.sets.arc_parts import HIGH, LOW, arc_size
 from hknob_cli.engine.general.sets.drift import Drift
 from hknob_cli.engine.general.sets.piece import STATE, WEIGHT, piece_size
 from hknob_cli.engine.general.sets.room import CELLS
@@ -68,6 +69,7 @@ class Cell:
         patch.setattr(search, "Alarm", lambda _seconds, halt: self if halt is BODY.halt else None)
         patch.setattr(search, "ends_of", lambda known, order, delay: self.ends(known, order, delay, found))
         patch.setattr(search, "why_not", lambda known: Reason.TOO_MANY)
+        patch.setattr(search, "with_turns", lambda room, *_: room)
         if plain:
             for name, function in names.items():
                 patch.setattr(arc if "arcs" in name else lattice if name == "release" else box, name, function)
@@ -102,9 +104,9 @@ class Arcs(Cell):
     def fill(self, begin: Any, delay: int, room: Any, drift: Any, body: Any) -> float:
         assert type(begin) is (np.ndarray if self.engine.compiled else list)
         assert (list(begin), delay, drift, body) == ([2.0, 0.5], 1, "drift", BODY)
-        size = arc.arc_size(2, 1)
+        size = arc_size(2, 1)
         for k, (low, high) in enumerate(self.arcs):
-            room.stack[k * size + arc.LOW], room.stack[k * size + arc.HIGH] = low, high
+            room.stack[k * size + LOW], room.stack[k * size + HIGH] = low, high
         return 0.125
 
     def follow(self, waiting: int, *given: Any) -> tuple[int, float]:
@@ -495,6 +497,7 @@ def test_lists_are_arrays_where_it_is_compiled(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(search, "make_drift", lambda *_: drift)
     monkeypatch.setattr(search, "make_known", lambda *_: "known")
     monkeypatch.setattr(search, "make_space", lambda *_: "space")
+    monkeypatch.setattr(search, "with_turns", lambda room, *_: room)
     monkeypatch.setattr(search, "as_arrays", lambda body: ["arrays of", body])
     assert GeneralSetEngine().ready(BODY, WALL, 1) == (BODY, drift, "known")
     body, told, known = GeneralSetEngine({"x": len}).ready(BODY, WALL, 1)

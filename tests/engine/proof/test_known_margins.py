@@ -9,6 +9,7 @@ import pytest
 from hknob_cli.engine.certificate import DIFFERENT, NOT_CAPTURED, PROVEN
 from hknob_cli.engine.follow import CYCLE_ON_EDGE, CYCLE_PROVEN, REST_PROVEN
 from hknob_cli.engine.general.captured import FIELDS
+from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.sets import known
 
 from .friction_work import body_of, wall_of
@@ -36,6 +37,7 @@ class Again:
             ("counted_alike", alike), ("certify_again", proven), ("has_points", entered), ("walk_points", None),
         ):  # fmt: skip
             patch.setattr(known, name, lambda *given, name=name, told=told: self._note(name, given, told))
+        patch.setattr(known, "reading_of", lambda _law, z, _before, _ring, wall: read(z[0], wall))
         patch.setattr(known, "advance_memory", self._advance)
 
     def _note(self, name: str, given: tuple[Any, ...], told: Any) -> Any:

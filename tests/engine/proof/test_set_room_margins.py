@@ -11,7 +11,7 @@ from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.search import GENERAL_FATES, make_space
 from hknob_cli.engine.general.sets import scope
-from hknob_cli.engine.general.sets.arc import arc_size
+from hknob_cli.engine.general.sets.arc_parts import arc_size
 from hknob_cli.engine.general.sets.ends import ENDS, FATES, POINTS, make_known, why_not
 from hknob_cli.engine.general.sets.known import NO_ROOM
 from hknob_cli.engine.general.sets.lattice import CELL, KEY

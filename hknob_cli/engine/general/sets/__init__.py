@@ -2,6 +2,7 @@
 
 - `readings` what acts alike, `drift` exact bounds on roundings, `ball`, `piece` polygons
   in the space of all states, `lattice`, `box`, `curve` and `arc` all clock phases, `known`, `search`
+- behind hysteresis `turns` of one motion, `swings` of a set; `parts` and `arc_parts` what pieces, arcs are cut into
 - `memory` what all states of a set have in common: commands under way, or what a controller's law remembers
 - `afar` what a wall is from far out, for the region that every motion comes into
 - with a lag `lagged_step`; with friction `friction_step`, `friction_piece`, `friction_box`, `friction_phases`, `convex`

@@ -10,83 +10,37 @@ from hknob_cli.engine.follow import GREW as GREW_FATE
 from hknob_cli.engine.follow import UNSETTLED
 from hknob_cli.engine.general.body import norm
 from hknob_cli.engine.general.captured import FIELDS
+from hknob_cli.engine.general.sets.arc_parts import (
+    ARC_BEFORE,
+    ARC_ERROR,
+    ARC_LEVEL,
+    ARC_SAMPLE,
+    ARC_STATE,
+    HIGH,
+    LOW,
+    arc_size,
+    part_arc,
+    split_arc,
+    turns_apart,
+    wait_arc,
+)
 from hknob_cli.engine.general.sets.ball import CAPTURED, FIRST_REST_TEST, GREW, MEETS_EDGE, follow_ball, step_through
-from hknob_cli.engine.general.sets.curve import measure_arc, move_centre, place_on
+from hknob_cli.engine.general.sets.curve import measure_arc, place_on
 from hknob_cli.engine.general.sets.known import blame, fate_of, is_proven, seek
 from hknob_cli.engine.general.sets.memory import begin_at, watched
-from hknob_cli.engine.general.sets.readings import acting, count_levels, highest, lowest, next_level
+from hknob_cli.engine.general.sets.turns import (
+    count_of,
+    edge_reach,
+    half_of,
+    highest_at,
+    keep_count,
+    level_at,
+    peek,
+)
 
-LOW, HIGH, ARC_ERROR, ARC_BEFORE, ARC_LEVEL, ARC_SAMPLE, ARC_STATE = range(7)
 SHORTEST = 1e-13  # phases: no shorter arc is told apart
 OPEN, ENDED, UNPROVEN, PARTED = range(4)  # what becomes of an arc
 FLAT = 0.0625  # bulge by the way from end to end, above which an arc is halved and not cut
-
-
-def arc_size(n, delay):
-    """Numbers of an arc that waits: `LOW` to `ARC_SAMPLE`, its state, and the commands under way, oldest first."""
-    return ARC_STATE + n + delay
-
-
-def wait_arc(room, waiting, low, high, z, before, ring, head, error, level, sample, n):
-    """Let an arc wait; how many do then."""
-    delay = len(ring)
-    base = waiting * arc_size(n, delay)
-    room.stack[base + LOW], room.stack[base + HIGH], room.stack[base + ARC_ERROR] = low, high, error
-    room.stack[base + ARC_BEFORE], room.stack[base + ARC_LEVEL], room.stack[base + ARC_SAMPLE] = before, level, sample
-    for j in range(n):
-        room.stack[base + ARC_STATE + j] = z[j]
-    for j in range(delay):
-        room.stack[base + ARC_STATE + n + j] = ring[(head + j) % delay]
-    return waiting + 1
-
-
-def split_arc(room, waiting, low, high, first, last, z, before, ring, head, error, slack, sample, drift, body):
-    """Cut an arc at two of its phases, at most; how many arcs wait then. The parts have not moved on."""
-    middle = 0.5 * (low + high)
-    for part in range(3):
-        begin = low if part == 0 else (first if part == 1 else last)
-        end = first if part == 0 else (last if part == 1 else high)
-        if begin < end:
-            move_centre(z, middle, 0.5 * (begin + end), sample, room, drift, body, room.z)
-            waiting = wait_arc(
-                room, waiting, begin, end, room.z, before, ring, head, error + slack, 0.0, float(sample), body.order
-            )
-    return waiting
-
-
-def part_arc(room, waiting, low, high, z, before, ring, head, error, slack, reach, sample, least, most, cell):
-    """Cut an arc that is a chord at its edges, and move each part; how many arcs wait then, -1: no room.
-
-    ``reach``: position by which each part goes beyond its edges; ``least``, ``most``: the readings of the arc.
-    """
-    law, drift, body, wall = cell
-    n, delay, watch = body.order, len(ring), watched(law, wall)
-    if waiting + count_levels(least, most, watch) > len(room.stack) // arc_size(n, delay):
-        return -1
-    middle, left, right = 0.5 * (low + high), z[0] + room.below[0], z[0] + room.above[0]
-    level = least
-    while level <= most:
-        bottom, top = lowest(level, drift.bottom, watch) - reach, highest(level, watch) + reach
-        first, last = 0.0, 1.0
-        if left != right:
-            one, other = (bottom - left) / (right - left), (top - left) / (right - left)
-            first, last = max(first, min(one, other)), min(last, max(one, other))
-        elif left < bottom or left > top:
-            last = -1.0
-        if first <= last:
-            begin, end = low + first * (high - low), low + last * (high - low)
-            move_centre(z, middle, 0.5 * (begin + end), sample, room, drift, body, room.z)
-            for j in range(delay):
-                room.ring[j] = ring[(head + j) % delay]
-            was = begin_at(law, level, room.ring, wall) if sample == 0 else before
-            remembers, grown, to = step_through(
-                law, room.z, was, error + slack, level, room.ring, 0 * delay, drift, body, wall, room.pad
-            )
-            waiting = wait_arc(
-                room, waiting, begin, end, room.z, remembers, room.ring, to, grown, level, sample + 1.0, n
-            )
-        level = next_level(level, watch)
-    return waiting
 
 
 def fill_arcs(start, delay, room, drift, body):
@@ -179,27 +133,38 @@ def follow_arcs(waiting, delay, slack, budget, patience, limit, samples, totals,
             ways = abs(room.above[0] - room.below[0])
             narrow = body.reach * (error + slack) + 8.0 * EPSILON * abs(z[0])
             bow = body.reach * bulge
-            reach = narrow + bow
+            reach = edge_reach(known.turns, narrow) + bow
             left, right = z[0] + room.below[0], z[0] + room.above[0]
-            least = acting(min(left, right) - reach, drift.bottom, watch)
-            most = acting(max(left, right) + reach, drift.bottom, watch)
-            if least == most:
+            turns, half, shown = known.turns, half_of(known.turns, at == 0, watch), 0.0
+            if at > 0:
+                shown = count_of(turns, known.law, before, ring)
+            least = level_at(turns, min(left, right) - reach, shown, half, drift.bottom, watch)
+            most = level_at(turns, max(left, right) + reach, shown, half, drift.bottom, watch)
+            same, then = least == most, 0.0
+            if same:
+                if at == 0:
+                    before = begin_at(known.law, least, ring, wall)
+                ball = radius + slack + error
+                same, then = peek(turns, known.law, z, least, before, ring, head, ball, drift, body, wall, watch)
+            if same:
                 run, next_test = (run + 1, next_test) if level == least else (0, FIRST_REST_TEST)
                 level = least
-                was = begin_at(known.law, level, ring, wall) if at == 0 else before
                 before, error, head = step_through(
-                    known.law, z, was, error, level, ring, head, drift, body, wall, room.pad
+                    known.law, z, before, error, level, ring, head, drift, body, wall, room.pad
                 )
+                before = keep_count(turns, known.law, then, before, ring)
                 at += 1
                 since += 1
                 taken += 1
             elif waiting > most_waiting:
                 return -1, taken
-            elif bow > narrow and high - low > SHORTEST:
+            elif high - low > SHORTEST and (
+                bow > narrow or turns_apart(room, z, before, ring, head, reach, at, least, most, cell)
+            ):
                 middle = 0.5 * (low + high)
                 first, last = middle, middle
-                if bow < FLAT * ways:
-                    edge = highest(least, watch)
+                if bow > narrow and bow < FLAT * ways and least < most:
+                    edge = highest_at(turns, least, shown, half, watch)
                     # So far from the edge that neither outer part, whose own reach is below twice this one, meets it.
                     # That is less than half of the arc; and as it comes to the edge, an outer part is never all of it.
                     one = (edge - 2.0 * reach - left) / (right - left)

@@ -6,10 +6,19 @@ and its radius, in `body.norm`, is an upper bound.
 
 from hknob_cli.engine.general.controller import command
 from hknob_cli.engine.general.interval import hold
-from hknob_cli.engine.general.laws.step import decide, move_piece
+from hknob_cli.engine.general.laws.step import advance_two, decide, move_piece
 from hknob_cli.engine.general.sets.known import captor, resting
-from hknob_cli.engine.general.sets.memory import is_plain, watched
-from hknob_cli.engine.general.sets.readings import acting, remembered, steps_deeper
+from hknob_cli.engine.general.sets.memory import step_error, watched
+from hknob_cli.engine.general.sets.readings import remembered, steps_deeper
+from hknob_cli.engine.general.sets.turns import (
+    ball_reach,
+    count_of,
+    half_of,
+    is_simple,
+    keep_count,
+    level_at,
+    peek,
+)
 
 MEETS_EDGE = 0  # the ball may lie on both sides of an edge that changes the command: look at what it bounds
 CAPTURED = 1
@@ -18,14 +27,6 @@ OUT_OF_SAMPLES = 3
 STEPS_DEEPER = 4
 
 FIRST_REST_TEST = 8
-
-
-def step_error(z, u, older, drift, body):
-    """Bound on what roundings add to the error of a state in one interval, under commands up to ``u`` and ``older``."""
-    total = drift.once[0] + drift.once[1] * max(abs(u), abs(older))
-    for j in range(body.order):
-        total += drift.once[2 + j] * abs(z[j])
-    return total
 
 
 def step_through(law, z, before, error, level, ring, head, drift, body, wall, pad):
@@ -46,8 +47,11 @@ def step_through(law, z, before, error, level, ring, head, drift, body, wall, pa
     for j in range(law.line, len(ring)):
         largest = max(largest, abs(ring[j]))
     error += step_error(z, largest, largest, drift, body)
-    for piece in range(law.pieces):
-        move_piece(z, ring, piece, body, law, pad)
+    if body.order == 2:
+        advance_two(z, ring, body, wall, law)
+    else:
+        for piece in range(law.pieces):
+            move_piece(z, ring, piece, body, law, pad)
     return 0.0, error, head
 
 
@@ -77,15 +81,20 @@ def follow_ball(
     Returns ``(event, row, before, head, error, level, run, next_test, used)``; ``row`` of the attractor where captured.
     """
     pad, watch = known.space.pad, watched(known.law, wall)
-    two, delay = body.order == 2 and is_plain(known.law), len(ring)
+    two, delay = body.order == 2 and is_simple(known.turns, known.law), len(ring)
+    half = half_of(known.turns, False, watch)
     always, by_command, by_x, by_v = drift.once[0], drift.once[1], drift.once[2], drift.once[3]
     x, v = z[0], z[1]  # of second order the state is in these two alone, until it is asked for
     event, row, taken = OUT_OF_SAMPLES, -1, samples
     for i in range(samples):
-        reach = body.reach * (radius + error)
+        reach = ball_reach(known.turns, radius, error, body)
         last = level
-        level = acting(x, drift.bottom, watch)
-        if acting(x - reach, drift.bottom, watch) != level or acting(x + reach, drift.bottom, watch) != level:
+        shown = count_of(known.turns, known.law, before, ring)
+        level = level_at(known.turns, x, shown, half, drift.bottom, watch)
+        if (
+            level_at(known.turns, x - reach, shown, half, drift.bottom, watch) != level
+            or level_at(known.turns, x + reach, shown, half, drift.bottom, watch) != level
+        ):
             event, level, taken = MEETS_EDGE, last, i
             break
         if not -limit < x < limit:
@@ -112,7 +121,14 @@ def follow_ball(
         else:
             run, next_test = 0, FIRST_REST_TEST
         if not two:
+            known_count, count = peek(
+                known.turns, known.law, z, level, before, ring, head, radius + error, drift, body, wall, watch
+            )
+            if not known_count:
+                event, level, taken = MEETS_EDGE, last, i
+                break
             before, error, head = step_through(known.law, z, before, error, level, ring, head, drift, body, wall, pad)
+            before = keep_count(known.turns, known.law, count, before, ring)
             x, v = z[0], z[1]
             continue
         u = command(level, before, wall)

@@ -17,6 +17,7 @@ from hknob_cli.engine.general.sets.ball import (
 from hknob_cli.engine.general.sets.known import NO_ROOM, blame, fate_of, is_proven, seek
 from hknob_cli.engine.general.sets.lattice import keep
 from hknob_cli.engine.general.sets.memory import begin_memory, watched
+from hknob_cli.engine.general.sets.parts import part
 from hknob_cli.engine.general.sets.piece import (
     BEFORE,
     COUNT,
@@ -27,12 +28,21 @@ from hknob_cli.engine.general.sets.piece import (
     WEIGHT,
     largest_norm,
     move_corners,
-    part,
     piece_size,
     put,
     within,
 )
-from hknob_cli.engine.general.sets.readings import acting, highest, lowest, remembered
+from hknob_cli.engine.general.sets.readings import acting, remembered
+from hknob_cli.engine.general.sets.turns import (
+    count_of,
+    edge_reach,
+    half_of,
+    highest_at,
+    keep_count,
+    level_at,
+    lowest_at,
+    peek,
+)
 
 SMALL = 0.4  # part of a lattice cell's width: a piece of that radius may be merged with others
 SECTION = 0.01  # counts: narrower pieces are merged only where the wall steps deeper, as in `engine.sets.box`
@@ -101,14 +111,16 @@ def sample_with_law(starts, first, stop, _patience, budget, limit, ends, room, d
 
 
 def fill_box(low_x, high_x, low_v, high_v, delay, room, drift, body, wall):
-    """Let the box be all that waits, no command under way; how many pieces: with virtual damping, one a reading.
+    """Let the box be all that waits, no command under way; how many pieces: one, or one a reading that is remembered.
 
     ``body``: its order says in how many numbers states may differ; ``room`` is that of a piece's state.
     """
     n, size = body.order, piece_size(len(room.z), delay)
-    low, high = 0.0, 0.0
-    if wall.damping > 0.0:
-        low, high = acting(low_x, drift.bottom, wall), acting(high_x, drift.bottom, wall)
+    low, high, turns = 0.0, 0.0, room.turns
+    apart = wall.damping > 0.0 or wall.hysteresis > 0.0
+    if apart:
+        low = level_at(turns, low_x, 0.0, 0.0, drift.bottom, wall)
+        high = level_at(turns, high_x, 0.0, 0.0, drift.bottom, wall)
     for j in range(len(room.z)):
         room.z[j] = 0.0
     for k in range(4 * n):
@@ -125,8 +137,9 @@ def fill_box(low_x, high_x, low_v, high_v, delay, room, drift, body, wall):
         kept, weight = 4, 1.0
         for k in range(4 * n):
             room.halves[k] = room.corners[k]
-        if wall.damping > 0.0:
-            kept = within(room, room.corners, 4, lowest(low, drift.bottom, wall), highest(low, wall), n)
+        if apart:
+            bottom = lowest_at(turns, low, low, 0.0, drift.bottom, wall)
+            kept = within(room, room.corners, 4, bottom, highest_at(turns, low, low, 0.0, wall), n)
             weight = (room.halves[n] - room.halves[0]) / (high_x - low_x)  # a rectangle again, in the same order
             weight = max(weight, EPSILON)  # a line has none, but its states are starts
         put(
@@ -173,6 +186,7 @@ def follow_piece(room, waiting, delay, width, patience, budget, limit, drift, kn
     age, since, wait, taken, head = 0, at % patience, patience, 0, 0 * delay
     run, next_test = 0, FIRST_REST_TEST
     watch = watched(known.law, wall)
+    half = half_of(known.turns, False, watch)
     between = max(8, patience // 16)  # samples after which the radius is computed again
     small = body.reach * (radius + error) < SMALL * width
     while True:
@@ -217,10 +231,13 @@ def follow_piece(room, waiting, delay, width, patience, budget, limit, drift, kn
             least, most = corners[0], corners[0]
             for k in range(1, count):
                 least, most = min(least, corners[k * n]), max(most, corners[k * n])
-            reach = body.reach * (error + blurred) + 8.0 * EPSILON * abs(z[0])
-            low = acting(z[0] + least - reach, drift.bottom, watch)
-            high = acting(z[0] + most + reach, drift.bottom, watch)
-            if low < high:
+            reach = edge_reach(known.turns, body.reach * (error + blurred) + 8.0 * EPSILON * abs(z[0]))
+            shown = count_of(known.turns, known.law, before, ring)
+            low = level_at(known.turns, z[0] + least - reach, shown, half, drift.bottom, watch)
+            high = level_at(known.turns, z[0] + most + reach, shown, half, drift.bottom, watch)
+            ball = radius + error
+            same, then = peek(known.turns, known.law, z, low, before, ring, head, ball, drift, body, wall, watch)
+            if low < high or not same:
                 parted = part(
                     room,
                     waiting,
@@ -249,6 +266,7 @@ def follow_piece(room, waiting, delay, width, patience, budget, limit, drift, kn
             before, error, head = step_through(
                 known.law, z, before, error, level, ring, head, drift, body, wall, room.pad
             )
+            before = keep_count(known.turns, known.law, then, before, ring)
             at += 1
             age += 1
             since += 1

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import CONSTANT, ENTRY, FIRST, HALVES, HALVINGS, SECOND, Body, norm
 from hknob_cli.engine.general.controller import Controller
-from hknob_cli.engine.general.laws.law import MATRIX, PIECE, SPAN, Law
+from hknob_cli.engine.general.laws.law import MATRIX, PIECE, SPAN, F, G, Law, S
 from hknob_cli.engine.general.sets.readings import deepest_level
 
 BITS = 320  # after the point
@@ -46,15 +46,16 @@ class Drift(NamedTuple):
 def make_drift(body: Body, wall: Controller, law: Law | None = None) -> Drift:
     """The numbers of a cell, in lists. The body has no friction and is held: ``body.reach`` is finite.
 
-    Under a ``law`` the body has more than two states, and moves over the pieces of an interval that the law has.
+    Under a ``law`` the body moves over the pieces of an interval that the law has.
     """
     n = body.order
     a = whole_matrix(body)
     phi = product(exponential(a, 1.0 - wall.split)[0], exponential(a, wall.split)[0])
-    holds = [(wall.split, FIRST)] if wall.split > 0.0 else []
-    holds.append((1.0 - wall.split, SECOND))
+    holds = [(wall.split, FIRST, (body.s1, body.g1, body.f1))] if wall.split > 0.0 else []
+    holds.append((1.0 - wall.split, SECOND, (body.s2, body.g2, body.f2)))
     if law is not None:
-        holds = [(law.sched[at + SPAN], int(law.sched[at + MATRIX])) for at in range(0, law.pieces * PIECE, PIECE)]
+        pieces = [law.sched[at : at + PIECE] for at in range(0, law.pieces * PIECE, PIECE)]
+        holds = [(one[SPAN], int(one[MATRIX]), (one[S], one[G], one[F])) for one in pieces]
     units = [norm([float(i == j) for j in range(n)], body) for i in range(n)]
     spans = _largest(body)
     overlap = 1.0 + sum(one * span for one, span in zip(units, spans, strict=True))
@@ -68,9 +69,9 @@ def make_drift(body: Body, wall: Controller, law: Law | None = None) -> Drift:
         )
         phi = product(phi, phi)
     once, reached = [0.0] * (n + 2), [[1.0 if k == 2 + i else 0.0 for k in range(n + 2)] for i in range(n)]
-    for span, part in holds:
+    for span, part, plane in holds:
         power, integral = exponential(a, span)
-        own, size = _hold(body, integral, power, part)
+        own, size = _hold(body, integral, power, part, plane)
         later = [sum(own[2 + j] * reached[j][k] for j in range(n)) for k in range(n + 2)]
         once = [value + (own[k] if k < 2 else 0.0) + later[k] for k, value in enumerate(once)]
         reached = [
@@ -131,8 +132,12 @@ def _largest(body: Body) -> list[float]:
     return spans
 
 
-def _hold(body: Body, d: Matrix, phi: Matrix, part: int) -> tuple[list[float], list[list[float]]]:
+def _hold(
+    body: Body, d: Matrix, phi: Matrix, part: int, plane: tuple[float, float, float]
+) -> tuple[list[float], list[list[float]]]:
     """Bounds on the roundings of a part of an interval, and on the state after it.
+
+    ``part``: its matrix of more than two states; ``plane``: its (S, G, F) of two.
 
     Each is told by 1, the command, and the entries of the state: the first in the norm, (n + 2); the second by entry.
     """
@@ -145,7 +150,7 @@ def _hold(body: Body, d: Matrix, phi: Matrix, part: int) -> tuple[list[float], l
         rate.append([abs(body.vectors[CONSTANT * n + i]), command, *row])
     if n == 2:
         # x + (s v + g y) and f v + s y; y is the second rate without its damping.
-        s, g, f = (body.s2, body.g2, body.f2) if part == SECOND else (body.s1, body.g1, body.f1)
+        s, g, f = plane
         wrong_s, wrong_g, wrong_f = _off(s, phi[0][1]), _off(g, d[0][1]), _off(f, phi[1][1])
         pull = [rate[1][0], rate[1][1], rate[1][2], 0.0]
         speed = [0.0, 0.0, 0.0, 1.0]

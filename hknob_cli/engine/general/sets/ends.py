@@ -8,6 +8,8 @@ from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.period_map import Space
 from hknob_cli.engine.general.search import GENERAL_FATES, attractor_of
 from hknob_cli.engine.general.sets.known import NO_ROOM
+from hknob_cli.engine.general.sets.piece import WEIGHT
+from hknob_cli.engine.general.sets.room import PieceRoom, TurnRoom
 from hknob_cli.engine.outcome import Reason
 
 ENDS = 512  # distinct ends that a cell keeps
@@ -24,7 +26,7 @@ class Known(NamedTuple):
     row, not the number of trials. ``points``: row, last reading, state, and commands under way of samples of proven
     orbits where the wall steps deeper. ``counts``: of rows and of points. ``why``: measure of the starts without
     a proven end, by the fate that is none. ``law``: of a controller, None without one; commands under way are all that
-    it remembers, then. The others are work space of a trial.
+    it remembers, then. ``turns``: None without hysteresis of the encoder. The others are work space of a trial.
     """
 
     table: Any
@@ -41,6 +43,7 @@ class Known(NamedTuple):
     keep_ring: Any
     space: Space
     law: Any = None
+    turns: TurnRoom | None = None
 
 
 def make_known(zeros: Zeros, order: int, delay: int, space: Space, law: Any = None) -> Known:
@@ -82,3 +85,10 @@ def ends_of(known: Known, order: int, delay_line: int) -> list[Attractor]:
         )
         for row in range(int(known.counts[0]))
     ]
+
+
+def measure_left(room: PieceRoom, waiting: int, size: int) -> float:
+    """Measure of the starts that wait, in pieces of so many numbers or in the lattice: a bound on it."""
+    left = sum(room.stack[k * size + WEIGHT] for k in range(int(waiting)))
+    left += sum(room.singles[int(room.taken[k]) * size + WEIGHT] for k in range(int(room.counts[0])))
+    return float(left)

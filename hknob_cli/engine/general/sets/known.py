@@ -8,7 +8,7 @@ from hknob_cli.engine.certificate import PROVEN
 from hknob_cli.engine.follow import CYCLE_PROVEN, GREW, REST_PROVEN, UNSETTLED
 from hknob_cli.engine.general.body import distance
 from hknob_cli.engine.general.captured import FIELDS
-from hknob_cli.engine.general.controller import inside, read
+from hknob_cli.engine.general.controller import inside
 from hknob_cli.engine.general.follow import KNOWN
 from hknob_cli.engine.general.sets.memory import (
     advance_memory,
@@ -18,6 +18,7 @@ from hknob_cli.engine.general.sets.memory import (
     enter_end,
     find_end,
     memory_apart,
+    reading_of,
     rest_within,
     store_memory,
 )
@@ -38,11 +39,13 @@ def walk_points(row, before, known, body, wall):
     period, head = int(known.table[row * FIELDS + 1]), 0 * delay
     count, entered, last = int(known.counts[1]), 0, 0.0
     for i in range(2 * period):
-        shown = read(known.z[0], wall)
+        shown = reading_of(known.law, known.z, before, known.ring, wall)
         deeper = inside(shown, wall) < inside(last, wall)
         if i >= period and deeper and entered < POINTS_OF_ORBIT and (count + 1) * width <= len(known.points):
             base = count * width
             known.points[base], known.points[base + 1] = row, before
+            if wall.hysteresis > 0.0:
+                known.points[base + 1] = inside(before, wall)
             for j in range(n):
                 known.points[base + 2 + j] = known.z[j]
             store_memory(known.law, known.ring, head, known.points, base + 2 + n)
@@ -88,10 +91,10 @@ def add_memory(row, known, body, wall):
     status, margin, bound, room = certify_again(known.law, period, known, body, wall)
     if status != PROVEN:
         return
-    last = inside(read(known.z[0], wall), wall)
+    last = inside(reading_of(known.law, known.z, 0.0, known.ring, wall), wall)
     for _ in range(period):  # to a sample at which points are entered
         advance_memory(known.law, known.z, 0.0, known.ring, 0 * len(known.ring), body, wall, known.space.pad)
-        shown = inside(read(known.z[0], wall), wall)
+        shown = inside(reading_of(known.law, known.z, 0.0, known.ring, wall), wall)
         if shown < last:
             break
         last = shown

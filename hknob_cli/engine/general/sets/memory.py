@@ -8,7 +8,7 @@ and then `general.controller` commands. Memory is one array, the commands under 
 from hknob_cli.engine.budget import TrialBudget
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NOT_CAPTURED, PROVEN
 from hknob_cli.engine.general.body import copy_to
-from hknob_cli.engine.general.controller import command, read
+from hknob_cli.engine.general.controller import command, read, read_after
 from hknob_cli.engine.general.ensemble import enter
 from hknob_cli.engine.general.follow import follow_trial
 from hknob_cli.engine.general.inner_region import ROUNDINGS
@@ -24,9 +24,12 @@ from hknob_cli.engine.general.standstill import rest_rounding, settles, steady
 from hknob_cli.engine.rest import AT_REST, MOVING
 
 
-def is_plain(law):
-    """Whether the wall commands by itself."""
-    return law is None
+def step_error(z, u, older, drift, body):
+    """Bound on what roundings add to the error of a state in one interval, under commands up to ``u`` and ``older``."""
+    total = drift.once[0] + drift.once[1] * max(abs(u), abs(older))
+    for j in range(body.order):
+        total += drift.once[2 + j] * abs(z[j])
+    return total
 
 
 def watched(law, wall):
@@ -110,6 +113,13 @@ def store_memory(law, ring, head, points, at):
             points[at + j] = min(points[at + j], 0.0)
 
 
+def reading_of(law, z, before, ring, wall):
+    """What the encoder shows at the sample of a motion; with hysteresis after the count of its last turning point."""
+    if law is None:
+        return read_after(z[0], before, wall)
+    return read_after(z[0], ring[law.line - 1], wall)
+
+
 def memory_apart(law, before, ring, head, points, base, room, body, wall):
     """Bound on how far a motion is pushed from an orbit's by what it remembers; infinite where that is not the same.
 
@@ -118,7 +128,7 @@ def memory_apart(law, before, ring, head, points, base, room, body, wall):
     """
     delay, at = len(ring), base + 2 + body.order
     if law is None:
-        if wall.damping > 0.0 and before != points[base + 1]:
+        if (wall.damping > 0.0 or wall.hysteresis > 0.0) and before != points[base + 1]:
             return float("inf")
         for j in range(delay):
             if ring[(head + j) % delay] != points[at + j]:
@@ -165,7 +175,7 @@ def rest_within(law, z, level, before, ring, body, wall, orbit, away):
     how far ``z`` is from it in ``away``.
     """
     if law is None:
-        shown = read(z[0], wall)
+        shown = read_after(z[0], before, wall)
         fate, gap = settles(z, shown, before, ring, body, wall, orbit, away)
         if fate != AT_REST:
             return fate, shown, gap, 0.0, 0.0
@@ -176,6 +186,7 @@ def rest_within(law, z, level, before, ring, body, wall, orbit, away):
     for j in range(body.order):
         away[j] = z[j] - orbit[j]
     gap = min(orbit[0] - lowest(level, -float("inf"), law.watch), highest(level, law.watch) - orbit[0])
+    gap += 0.5 * wall.hysteresis
     # Under a torque that is off by so much the knob swings about another rest, and comes as far beyond that.
     bound = rest_rounding(z, orbit[0], abs(u) + 2.0 * wrong / (ROUNDINGS * EPSILON), body)
     return AT_REST, read(orbit[0], wall), gap, pushed_apart(left, z[0], body), bound

@@ -12,8 +12,6 @@ states differ in angle and speed alone, two).
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import norm_at
 from hknob_cli.engine.general.sets.ball import step_through
-from hknob_cli.engine.general.sets.memory import watched
-from hknob_cli.engine.general.sets.readings import count_levels, highest, lowest, next_level
 
 CORNERS = 16  # that a piece keeps; one with more is halved, for a simpler one around it might never shrink
 ERROR, BEFORE, LEVEL, SAMPLE, WEIGHT, COUNT, SPREAD, STATE = range(8)
@@ -67,26 +65,31 @@ def move_corners(given, base, count, samples, out, at, drift, n, matrix, spare):
             out[at + k * n + i] = total
 
 
-def clip(given, count, limit, sign, out, at, n):
-    """The part of a convex polygon on one side of ``x = limit``, to ``out[at:]``; its number of corners.
+def clip_by(by, given, count, limit, sign, out, at, n):
+    """The part of a convex polygon whose number ``by`` is on one side of a limit, to ``out[at:]``; its corners.
 
     ``sign`` +1 keeps what lies above the limit, -1 what lies below; what lies on it is kept. Two corners are a chord.
     """
     kept = 0
     for k in range(count):
         a, b = k * n, (k + 1) % count * n
-        inside, following = sign * (given[a] - limit) >= 0.0, sign * (given[b] - limit) >= 0.0
+        inside, following = sign * (given[a + by] - limit) >= 0.0, sign * (given[b + by] - limit) >= 0.0
         if inside:
             for j in range(n):
                 out[at + kept * n + j] = given[a + j]
             kept += 1
         if inside != following and (count > 2 or k == 0):
-            part = (limit - given[a]) / (given[b] - given[a])
-            out[at + kept * n] = limit
-            for j in range(1, n):
+            part = (limit - given[a + by]) / (given[b + by] - given[a + by])
+            for j in range(n):
                 out[at + kept * n + j] = given[a + j] + part * (given[b + j] - given[a + j])
+            out[at + kept * n + by] = limit
             kept += 1
     return kept
+
+
+def clip(given, count, limit, sign, out, at, n):
+    """As `clip_by`, by the position."""
+    return clip_by(0, given, count, limit, sign, out, at, n)
 
 
 def centre(corners, count, n, middle):
@@ -189,59 +192,3 @@ def halve(room, kept, n):
     for j in range(n):
         room.parts[(kept - opposite) * n + j] = room.halves[j]
     return opposite + 1, kept - opposite + 1
-
-
-def part(
-    room, waiting, z, before, ring, head, error, reach, sample, weight, corners, count, low, high, drift, body, wall
-):
-    """Cut a piece at the edges that change the command, and move each part; how many pieces wait then, -1: no room.
-
-    ``low`` and ``high``: the readings it has; ``reach``: position by which each part goes beyond its edges. So whatever
-    a state truly reads, a part that acts as this reading holds the state. Parts with too many corners are halved, too.
-    """
-    n, watch = body.order, watched(room.law, wall)
-    if waiting + 2 * count_levels(low, high, watch) > len(room.stack) // piece_size(n, len(ring)):
-        return -1
-    level = low
-    while level <= high:
-        bottom = lowest(level, drift.bottom, watch) - reach - z[0]
-        kept = within(room, corners, count, bottom, highest(level, watch) + reach - z[0], n)
-        if kept > CORNERS:
-            kept, other = halve(room, kept, n)
-            waiting = move_piece(
-                room,
-                waiting,
-                z,
-                before,
-                ring,
-                head,
-                error,
-                level,
-                sample,
-                weight,
-                room.parts,
-                other,
-                drift,
-                body,
-                wall,
-            )
-        if kept > 0:
-            waiting = move_piece(
-                room,
-                waiting,
-                z,
-                before,
-                ring,
-                head,
-                error,
-                level,
-                sample,
-                weight,
-                room.halves,
-                kept,
-                drift,
-                body,
-                wall,
-            )
-        level = next_level(level, watch)
-    return waiting

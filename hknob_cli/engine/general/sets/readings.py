@@ -87,5 +87,5 @@ def steps_deeper(level, last, wall):
 
 
 def remembered(level, wall):
-    """What of a reading a controller needs at the next sample: all of it with virtual damping, else nothing."""
-    return level if wall.damping > 0.0 else 0.0
+    """What of a reading is needed at the next sample: all of it with virtual damping or hysteresis, else nothing."""
+    return level if wall.damping > 0.0 or wall.hysteresis > 0.0 else 0.0

@@ -4,7 +4,8 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from hknob_cli.engine.general.controller import Controller
-from hknob_cli.engine.general.sets.arc import arc_size
+from hknob_cli.engine.general.laws.law import Law
+from hknob_cli.engine.general.sets.arc_parts import arc_size
 from hknob_cli.engine.general.sets.lattice import CELL, KEY
 from hknob_cli.engine.general.sets.piece import CORNERS, piece_size
 from hknob_cli.engine.general.torque_table import HEAD
@@ -16,12 +17,34 @@ DEEP = 2**14  # pieces that wait beside those of a lattice
 Zeros = Callable[[int], Any]
 
 
+class TurnRoom(NamedTuple):
+    """Work space of `turns` and `parts`, where an encoder has hysteresis.
+
+    ``course``: lengths and torques of the holds of an interval; ``swing``: how far one motion goes; ``places``, five a
+    corner, and ``bounds``: how far those of a piece do; the next four: corners of it, and of its parts.
+    """
+
+    course: Any
+    swing: Any
+    places: Any
+    bounds: Any
+    kept: Any
+    packed: Any
+    whole: Any
+    strip: Any
+    z: Any
+    other: Any
+    ring: Any
+    pad: Any
+
+
 class PieceRoom(NamedTuple):
     """Work space of `piece`, `box` and `lattice`.
 
     ``stack``: pieces that wait; ``own``, ``own_z``, ``own_ring``, ``corners``: of the one that is followed; ``parts``
     to ``pad``: of one that is moved; ``used``, ``keys``, ``cells``, ``singles``: the lattice; ``taken``: its slots in
-    use, ``counts[0]`` many; ``scale[0]``: of commands, where they are told apart; ``law``: of a controller, or None.
+    use, ``counts[0]`` many; ``scale[0]``: of commands, where they are told apart; ``law``: of a controller, or None;
+    ``turns``: None without hysteresis.
     """
 
     stack: Any
@@ -46,6 +69,7 @@ class PieceRoom(NamedTuple):
     counts: Any
     scale: Any
     law: Any = None
+    turns: TurnRoom | None = None
 
 
 class ArcRoom(NamedTuple):
@@ -71,6 +95,29 @@ class ArcRoom(NamedTuple):
     spare: Any
     pad: Any
     ended: Any
+    turns: TurnRoom | None = None
+
+
+def with_turns(room: Any, order: int, wall: Controller, law: Law | None, zeros: Zeros) -> Any:
+    """Work space, or `ends.Known`, with room for turning points where the encoder has hysteresis."""
+    if wall.hysteresis == 0.0:
+        return room
+    delay = len(room.ring)
+    turns = TurnRoom(
+        course=zeros(2 * max(2, 0 if law is None else law.pieces)),
+        swing=zeros(8),
+        places=zeros(5 * 4 * CORNERS),
+        bounds=zeros(11),
+        kept=zeros(4 * CORNERS * (order + 2)),
+        packed=zeros(4 * CORNERS * (order + 2)),
+        whole=zeros(2 * CORNERS * (order + 2)),
+        strip=zeros(4 * CORNERS * (order + 2)),
+        z=zeros(order),
+        other=zeros(order),
+        ring=zeros(delay),
+        pad=zeros(2 * order),
+    )
+    return room._replace(turns=turns)
 
 
 def make_piece_room(zeros: Zeros, order: int, delay: int, *, lattice: int = CELLS, deep: int = DEEP) -> PieceRoom:

@@ -30,9 +30,9 @@ class Scope(NamedTuple):
 def can_follow(body: Body, wall: Controller, law: Law | None = None) -> bool:
     """Whether sets of states of a cell can be followed: differences go by one matrix, decay, and have an energy.
 
-    A law is proven, and reads an encoder at samples alone. Of angle and speed under one `friction_room.can_rub` tells.
+    A law is proven, and reads its encoder at samples alone.
     """
-    known = law is None or (law.provable and not law.senses and law.looks == 0 and body.order > 2)
+    known = law is None or (law.provable and not law.senses and law.looks == 0)
     return body.friction == 0.0 and wall.analog == 0.0 and body.damped and body.reach < inf and known
 
 

@@ -26,10 +26,11 @@ from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.search import as_arrays, as_list, make_space
 from hknob_cli.engine.general.sets import arc, box, lattice
 from hknob_cli.engine.general.sets.afar import look_from_afar
+from hknob_cli.engine.general.sets.arc_parts import HIGH, LOW, arc_size
 from hknob_cli.engine.general.sets.drift import Drift, make_drift
-from hknob_cli.engine.general.sets.ends import Known, ends_of, make_known, why_not
-from hknob_cli.engine.general.sets.piece import WEIGHT, piece_size
-from hknob_cli.engine.general.sets.room import CELLS, PieceRoom, hash_scale, make_arc_room, make_piece_room
+from hknob_cli.engine.general.sets.ends import Known, ends_of, make_known, measure_left, why_not
+from hknob_cli.engine.general.sets.piece import piece_size
+from hknob_cli.engine.general.sets.room import CELLS, PieceRoom, hash_scale, make_arc_room, make_piece_room, with_turns
 from hknob_cli.engine.general.sets.scope import LONGEST, Scope, can_follow, make_scope
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.sets import region
@@ -111,6 +112,7 @@ class GeneralSetEngine:
         n = body.order
         drift = make_drift(body, wall, self.law)
         known = make_known(self._zeros, n, delay_line, make_space(n, delay_line, self._zeros), self.law)
+        known = with_turns(known, n, wall, self.law, self._zeros)
         if self.compiled:
             return as_arrays(body), Drift._make(np.array(v) if isinstance(v, list) else v for v in drift), known
         return body, drift, known
@@ -138,7 +140,7 @@ class GeneralSetEngine:
             return None
         wall = wall if self.compiled else as_list(wall)
         body, drift, known = self.ready(body, wall, delay_line)
-        room = make_arc_room(self._zeros, body.order, delay_line)
+        room = with_turns(make_arc_room(self._zeros, body.order, delay_line), body.order, wall, self.law, self._zeros)
         totals = self._zeros(4)
         totals[2] = 1.0
         begin = np.array(start) if self.compiled else list(start)
@@ -154,8 +156,8 @@ class GeneralSetEngine:
                 taken += int(used)
         if waiting < 0:
             return None
-        size = arc.arc_size(body.order, delay_line)
-        left = float(sum(room.stack[k * size + arc.HIGH] - room.stack[k * size + arc.LOW] for k in range(waiting)))
+        size = arc_size(body.order, delay_line)
+        left = float(sum(room.stack[k * size + HIGH] - room.stack[k * size + LOW] for k in range(waiting)))
         found = ends_of(known, body.order, delay_line)
         # Arcs overlap by what rounding may move their ends: shares are of their lengths together.
         covered = float(totals[3]) + left
@@ -212,7 +214,7 @@ class GeneralSetEngine:
         wall = wall if self.compiled else as_list(wall)
         body, drift, known = self.ready(body, wall, delay_line)
         n = body.order
-        room = self.room(body, delay_line)
+        room = with_turns(self.room(body, delay_line), n, wall, self.law, self._zeros)
         room.scale[0] = hash_scale(wall)
         rest = scope.budget, scope.limit
         cell = drift, known, body, wall
@@ -240,7 +242,7 @@ class GeneralSetEngine:
                 waiting = int(release(room, 0, delay_line, drift))
                 width *= 0.5
                 taken += self._function(box, "seek_some")(room, waiting, delay_line, SEEN, *rest, known, body, wall)
-            left = self._left(room, waiting, n, delay_line)
+            left = measure_left(room, waiting, piece_size(n, delay_line))
             over = taken > self.longest(body) or not alarm.over
         found, by_area = ends_of(known, n, delay_line), self.by_area(body)
         if followed < SAMPLED:
@@ -318,13 +320,6 @@ class GeneralSetEngine:
             used, lost = sample(starts, followed, stop, scope.skip, scope.budget, scope.limit, ends, room, *cell)
             taken, unproven, followed = taken + int(used), unproven + int(lost), stop
         return taken, unproven, followed
-
-    def _left(self, room: Any, waiting: int, order: int, delay_line: int) -> float:
-        """Measure of the starts that wait, in pieces or in the lattice: a bound on it."""
-        size = piece_size(order, delay_line)
-        left = sum(room.stack[k * size + WEIGHT] for k in range(int(waiting)))
-        left += sum(room.singles[int(room.taken[k]) * size + WEIGHT] for k in range(int(room.counts[0])))
-        return float(left)
 
 
 def _endless(totals: Any) -> bool:

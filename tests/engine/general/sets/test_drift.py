@@ -93,7 +93,7 @@ UNDER = {  # a controller, and what it is beside: torques of one, two and three 
 
 @pytest.mark.parametrize("kind", UNDER)
 def test_an_interval_under_a_law_adds_no_more_than_its_bound(kind: str) -> None:
-    """The computed state against 60 digits, part by part, by the torques that the law commands; the bound is not empty."""
+    """The computed state against 60 digits, by the torques that the law commands; the bound is not empty."""
     name, parts = UNDER[kind]
     made, law, length = cell_under(name, **parts)
     body, wall, n = made.knob.body, made.knob.wall, made.knob.body.order

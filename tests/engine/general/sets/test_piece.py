@@ -9,6 +9,7 @@ from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.sets.box import fill_box
 from hknob_cli.engine.general.sets.lattice import keep, release
+from hknob_cli.engine.general.sets.parts import part
 from hknob_cli.engine.general.sets.piece import (
     BEFORE,
     CORNERS,
@@ -17,7 +18,6 @@ from hknob_cli.engine.general.sets.piece import (
     STATE,
     WEIGHT,
     largest_norm,
-    part,
     piece_size,
 )
 from hknob_cli.engine.general.sets.readings import acting, count_levels, remembered
