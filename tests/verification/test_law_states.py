@@ -159,7 +159,7 @@ def follow_box(
         for _ in range(one.period):
             states.append(list(z))
             pad = [0.0] * (2 * knob.body.order)
-            before, head = advance(z, before, line, head, knob.body, knob.wall, pad)  # type: ignore[no-untyped-call]
+            before, head = advance(z, before, line, head, knob.body, knob.wall, pad)
         return np.array(states)
 
     return found, knob, orbit

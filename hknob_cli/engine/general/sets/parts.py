@@ -72,66 +72,43 @@ def next_edge(x, wall):
     return edge if edge > x else max(up, down)
 
 
-def move_parts(
-    room, waiting, z, before, ring, head, error, level, sample, weight, corners, count, drift, body, wall, plan, reach
-):
-    """Let the parts of a set for which there is a ``plan`` move on, one for each count; -1: no room."""
-    turns, n, watch, size = room.turns, body.order, watched(room.law, wall), piece_size(body.order, len(ring))
+def move_counted(room, waiting, piece, corners, number, cell, count):
+    """Let a set of so many corners, with the numbers of a ``piece``, move on and have a count; how many wait then."""
+    drift, body, wall = cell
+    waiting = move_piece(room, waiting, *piece, corners, number, drift, body, wall)
+    set_count(room.law, room.stack, (waiting - 1) * piece_size(body.order, len(piece[2])), body.order, count)
+    return waiting
+
+
+def move_parts(room, waiting, piece, corners, number, cell, plan, reach):
+    """Let the parts of a set for which there is a ``plan`` move on, one for each count; -1: no room.
+
+    ``piece``: its centre, last reading, commands under way with the oldest of them, error, level, sample and weight.
+    """
+    drift, body, wall = cell
+    z, _, ring, _, _, level, _, _ = piece
+    turns, n, watch = room.turns, body.order, watched(room.law, wall)
     way, first, last, holds = plan
     shown = first
     while shown <= last:
-        kept, beyond = cut_by_turns(turns, way, shown, first, last, level, reach, corners, count, n, watch)
+        kept, beyond = cut_by_turns(turns, way, shown, first, last, level, reach, corners, number, n, watch)
         then = shown
         other = kept > 0 and way != 0 and shown != level
         if other and not turns_within(turns, way, z, turns.kept, kept, n, holds, drift, body):
             # None has a turning point there: their count stays, and what is not beyond is in the part of those.
             then = level
             kept = kept if beyond else 0
-        opposite = kept // 2 if kept > CORNERS else kept - 1
-        if (waiting + 2) * size > len(room.stack):
+        if (waiting + 2) * piece_size(n, len(ring)) > len(room.stack):
             return -1
+        opposite = kept // 2 if kept > CORNERS else kept - 1
         if kept > 0:
-            waiting = move_piece(
-                room,
-                waiting,
-                z,
-                before,
-                ring,
-                head,
-                error,
-                level,
-                sample,
-                weight,
-                turns.kept,
-                opposite + 1,
-                drift,
-                body,
-                wall,
-            )
-            set_count(room.law, room.stack, (waiting - 1) * size, n, then)
+            waiting = move_counted(room, waiting, piece, turns.kept, opposite + 1, cell, then)
         if kept > CORNERS:
             for k in range((kept - opposite) * n):
                 turns.packed[k] = turns.kept[opposite * n + k]
             for j in range(n):
                 turns.packed[(kept - opposite) * n + j] = turns.kept[j]
-            waiting = move_piece(
-                room,
-                waiting,
-                z,
-                before,
-                ring,
-                head,
-                error,
-                level,
-                sample,
-                weight,
-                turns.packed,
-                kept - opposite + 1,
-                drift,
-                body,
-                wall,
-            )
-            set_count(room.law, room.stack, (waiting - 1) * size, n, then)
+            waiting = move_counted(room, waiting, piece, turns.packed, kept - opposite + 1, cell, then)
         shown += 1.0
     return waiting
 
@@ -146,14 +123,14 @@ def move_part(room, waiting, z, before, ring, head, error, level, sample, weight
         return move_piece(
             room, waiting, z, before, ring, head, error, level, sample, weight, corners, count, drift, body, wall
         )
-    given = z, before, ring, head, error, level, sample, weight
+    piece, cell = (z, before, ring, head, error, level, sample, weight), (drift, body, wall)
     watch, off = watched(room.law, wall), body.reach * error
     holds = plan_holds(turns, room.law, level, before, ring, head, wall)
     reach = measure_swings(turns, z, corners, 0, count, n, holds, off, drift, body)
     way, first, last = plan_parts(turns, level, watch)
     if way != 0 or first == last:
         plan = way, first, last, holds
-        return move_parts(room, waiting, *given, corners, count, drift, body, wall, plan, reach)
+        return move_parts(room, waiting, piece, corners, count, cell, plan, reach)
     wide = n + 2
     for k in range(count):
         for j in range(n):
@@ -179,7 +156,7 @@ def move_part(room, waiting, z, before, ring, head, error, level, sample, weight
             turns.bounds[LEAST] = turns.bounds[MOST] = 0.5 * (low + high)
             way, first, last = plan_parts(turns, level, watch)
             plan = way, first, last, holds
-            waiting = move_parts(room, waiting, *given, turns.strip, kept, drift, body, wall, plan, far)
+            waiting = move_parts(room, waiting, piece, turns.strip, kept, cell, plan, far)
         low, side = (high, 1.0) if side < 0.0 else (low, -1.0)
     return waiting
 
@@ -198,45 +175,14 @@ def part(
     level, half, shown = low, half_of(turns, False, watch), count_of(turns, room.law, before, ring)
     while level <= high:
         bottom = lowest_at(turns, level, shown, half, drift.bottom, watch) - reach - z[0]
+        piece = z, before, ring, head, error, level, sample, weight
         top = highest_at(turns, level, shown, half, watch) + reach - z[0]
         kept = within(room, corners, count, bottom, top, n)
         if kept > CORNERS:
             kept, other = halve(room, kept, n)
-            waiting = move_part(
-                room,
-                waiting,
-                z,
-                before,
-                ring,
-                head,
-                error,
-                level,
-                sample,
-                weight,
-                room.parts,
-                other,
-                drift,
-                body,
-                wall,
-            )
+            waiting = move_part(room, waiting, *piece, room.parts, other, drift, body, wall)
         if kept > 0 and waiting >= 0:
-            waiting = move_part(
-                room,
-                waiting,
-                z,
-                before,
-                ring,
-                head,
-                error,
-                level,
-                sample,
-                weight,
-                room.halves,
-                kept,
-                drift,
-                body,
-                wall,
-            )
+            waiting = move_part(room, waiting, *piece, room.halves, kept, drift, body, wall)
         if waiting < 0:
             return -1
         level = next_at(turns, level, watch)

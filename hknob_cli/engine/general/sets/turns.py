@@ -35,7 +35,7 @@ def is_simple(turns, law):
 
 
 def half_of(turns, first, wall):
-    """Half of the width of the hysteresis, by which edges are passed later; at the first sample there is none."""
+    """Half of the width of the hysteresis, by which edges are passed later. The first sample has no memory: 0."""
     if turns is None:
         return 0.0
     return 0.0 if first else 0.5 * wall.hysteresis
