@@ -18,6 +18,7 @@ COMPILING_S = {
     "sets": 9.0,
     "general sets": 20.0,
     "friction sets": 28.0,
+    "friction arcs": 25.0,
     "unsampled": 5.0,
     "pulse": 2.0,
 }

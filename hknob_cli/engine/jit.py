@@ -91,6 +91,11 @@ GENERAL_SETS = (
     *(f"general.sets.{name}" for name in ("curve", "arc_parts", "arc")),
     *(f"sets.{name}" for name in ("polygon", "region")),
 )
+FRICTION_ARCS = (
+    *LAWS,
+    *(f"general.sets.{name}" for name in ("readings", "memory", "turns", "known", "ball")),
+    *(f"general.sets.friction_arc{end}" for end in ("", "_rest", "_parts", "s")),
+)
 FRICTION_SETS = (
     *GENERAL_SETS,
     *(f"general.sets.{name}" for name in ("convex", "friction_step", "lagged_step")),
@@ -119,6 +124,7 @@ GROUPS = {
     "sets": (SETS, ("box.follow_generation", "cells.follow_cell")),
     "general sets": (GENERAL_SETS, ("box.follow_generation", "arc.follow_arcs")),
     "friction sets": (FRICTION_SETS, ("friction_box.follow_friction", "friction_phases.follow_phases")),
+    "friction arcs": (FRICTION_ARCS, ("friction_arcs.follow_friction_arcs",)),
     "pulse": (PULSE, ("pulse.follow_linear",)),
 }
 

@@ -72,6 +72,7 @@ COLUMNS = {
     "general_sets": Column("sets: more state", _SETS, group="general sets"),
     "friction_sets": Column("sets: friction, controllers", _SETS, group="friction sets"),
     "law_sets": Column("sets: more state, controllers", _SETS, group="general sets"),
+    "friction_arcs": Column("all phases: friction, more state", _SETS, group="friction arcs"),
     "general_anywhere": Column(
         "sets: anywhere, other torques",
         "no region is known that every motion comes into; give ranges",
@@ -94,7 +95,7 @@ COLUMNS = {
     "device": Column("hw-run", "the spec of a device has no such key"),
     "explore": Column("explore", "the engine of its page has no such part"),
 }  # fmt: skip
-ENGINES, ASKED, COMMANDS = tuple(COLUMNS)[:12], tuple(COLUMNS)[12:16], tuple(COLUMNS)[16:]
+ENGINES, ASKED, COMMANDS = tuple(COLUMNS)[:13], tuple(COLUMNS)[13:17], tuple(COLUMNS)[17:]
 
 PARTS = {
     "bias": Part("a bias torque", "bias.torque"),
@@ -152,57 +153,57 @@ PARTS = {
 # Verdicts in the order of COLUMNS: engines of trials, engines of sets, what a sweep is asked for, laws and commands.
 _TABLE = {
     #                   plain, bounces, general, unsampled, laws
-    #                   |      phases, ranges, anywhere, general_sets, friction_sets, law_sets, general_anywhere
+    #                   |      phases, ranges, anywhere, general, friction, law sets, friction arcs, general anywhere
     #                   |      |      basins, record, pulse, perceive
     #                   |      |      |    describing, relay, formulas, bench, device
-    "bias":            "PEPPP PPPPPPP PEE~ ~P~E~",
-    "hand":            "PEPPP PPPPPPP PEE~ ~P~E~",
-    "grip":            "PEPPP PPPPPPP PEE~ ~P~E~",
-    "people":          "P-PPP PPPPPPP PEE~ -----",
-    "knob_damping":    "P-PPP PPPPPPP PEE~ ~P~E~",
-    "friction":        "--PPP ----P-- -EE~ ~-~E~",
-    "hand_damping":    "P-PPP PPPPPPP PEE~ ~P~E~",
-    "hand_stiffness":  "P-PPP PPPPPPP PEE~ ~P~E~",
-    "finger":          "--P-P ---P-P- -EE~ ~--E-",
-    "virtual_damping": "--P-P ---PPP- -EE~ --~E~",
-    "delay":           "PEP-P P--PPP- -EE~ ~P~E~",
-    "lag":             "--P-P ---PPP- -EE~ ~--E~",
-    "torque_limit":    "--P-P ---PPPP -EE~ ---E~",
-    "torque_step":     "--P-P ---PPPP -EE~ ---E~",
-    "dead_band":       "--P-P ---PPPP -EE~ ----~",
-    "rounding":        "PEPPP PPPPPPP PEE~ ~P~E~",
-    "offset":          "PEPPP PPPPPPP PEE~ ~P~E~",
-    "hysteresis":      "--P-P ---P-P- -EE~ ~----",
-    "backlash":        "--P-P ---P-P- -EE~ ~----",
-    "bare":            "--PPE ------- -EE~ ---E-",
-    "jitter":          "--E-E ------- -EE- -----",
-    "unsampled":       "---P- ------- -E-- ---E-",
-    "controller":      "----P ----PP- -EE~ ----~",
-    "speed_sensor":    "----P ------- -EE~ ----~",
-    "estimated_speed": "----P ----PP- -EE~ ----~",
-    "kalman":          "----P ----PP- -EE~ ----~",
-    "several_readings": "----P ----P-- -EE~ ----~",
-    "pulses":          "----P ----PP- -EE~ ----~",
-    "knob_model":      "----P ----PP- -EE~ ----~",
-    "by_counts":       "----P ----PP- -EE~ ----~",
-    "profile":         "--P-P ---PPPP -EE~ ----~",
-    "detents":         "--P-P ---PPPP -EE~ ----~",
-    "end_stops":       "--P-P ---PPPP -EE~ ----~",
-    "dead_zone":       "--P-P ---PPPP -EE~ ----~",
-    "motor":           "P-PPP PPPPPPP PEE~ ~P~E~",
-    "coil":            "--P-P ---P-P- -EE~ ----~",
-    "current_loop":    "--P-P ---PPP- -EE~ ---E~",
-    "supply":          "--P-P ---PPPP -EE~ ---E~",
-    "eddy_brake":      "P-PPP PPPPPPP PEE~ ~P~E~",
-    "gear":            "PEPPP PPPPPPP -EE~ ~P~--",
-    "mesh":            "--P-P ---P-P- -EE~ -----",
-    "play":            "--E-E ------- -EE~ -----",
-    "cogging":         "--E-E ------- -EE~ -----",
-    "squeeze":         "PEPPP PPPPPPP PEE~ ~P~--",
-    "undamped":        "EEEEE --E---E EEE~ ~E~E-",
-    "unheld":          "EEEPE --E---E EEE~ ~E~E-",
-    "unpushed":        "P-PPE PEEEPEE EEE~ ~P~E~",
-    "handless":        "EEEPE ------- -EE~ ~E~E-",
+    "bias":            "PEPPP PPPPPPPP PEE~ ~P~E~",
+    "hand":            "PEPPP PPPPPPPP PEE~ ~P~E~",
+    "grip":            "PEPPP PPPPPPPP PEE~ ~P~E~",
+    "people":          "P-PPP PPPPPPPP PEE~ -----",
+    "knob_damping":    "P-PPP PPPPPPPP PEE~ ~P~E~",
+    "friction":        "--PPP ----P-P- -EE~ ~-~E~",
+    "hand_damping":    "P-PPP PPPPPPPP PEE~ ~P~E~",
+    "hand_stiffness":  "P-PPP PPPPPPPP PEE~ ~P~E~",
+    "finger":          "--P-P ---P-PP- -EE~ ~--E-",
+    "virtual_damping": "--P-P ---PPPP- -EE~ --~E~",
+    "delay":           "PEP-P P--PPPP- -EE~ ~P~E~",
+    "lag":             "--P-P ---PPPP- -EE~ ~--E~",
+    "torque_limit":    "--P-P ---PPPPP -EE~ ---E~",
+    "torque_step":     "--P-P ---PPPPP -EE~ ---E~",
+    "dead_band":       "--P-P ---PPPPP -EE~ ----~",
+    "rounding":        "PEPPP PPPPPPPP PEE~ ~P~E~",
+    "offset":          "PEPPP PPPPPPPP PEE~ ~P~E~",
+    "hysteresis":      "--P-P ---P-P-- -EE~ ~----",
+    "backlash":        "--P-P ---P-P-- -EE~ ~----",
+    "bare":            "--PPE -------- -EE~ ---E-",
+    "jitter":          "--E-E -------- -EE- -----",
+    "unsampled":       "---P- -------- -E-- ---E-",
+    "controller":      "----P ----PPP- -EE~ ----~",
+    "speed_sensor":    "----P -------- -EE~ ----~",
+    "estimated_speed": "----P ----PPP- -EE~ ----~",
+    "kalman":          "----P ----PPP- -EE~ ----~",
+    "several_readings": "----P ----P-P- -EE~ ----~",
+    "pulses":          "----P ----PPP- -EE~ ----~",
+    "knob_model":      "----P ----PPP- -EE~ ----~",
+    "by_counts":       "----P ----PPP- -EE~ ----~",
+    "profile":         "--P-P ---PPPPP -EE~ ----~",
+    "detents":         "--P-P ---PPPPP -EE~ ----~",
+    "end_stops":       "--P-P ---PPPPP -EE~ ----~",
+    "dead_zone":       "--P-P ---PPPPP -EE~ ----~",
+    "motor":           "P-PPP PPPPPPPP PEE~ ~P~E~",
+    "coil":            "--P-P ---P-PP- -EE~ ----~",
+    "current_loop":    "--P-P ---PPPP- -EE~ ---E~",
+    "supply":          "--P-P ---PPPPP -EE~ ---E~",
+    "eddy_brake":      "P-PPP PPPPPPPP PEE~ ~P~E~",
+    "gear":            "PEPPP PPPPPPPP -EE~ ~P~--",
+    "mesh":            "--P-P ---P-PP- -EE~ -----",
+    "play":            "--E-E -------- -EE~ -----",
+    "cogging":         "--E-E -------- -EE~ -----",
+    "squeeze":         "PEPPP PPPPPPPP PEE~ ~P~--",
+    "undamped":        "EEEEE --E----E EEE~ ~E~E-",
+    "unheld":          "EEEPE --E----E EEE~ ~E~E-",
+    "unpushed":        "P-PPE PEEEPEEE EEE~ ~P~E~",
+    "handless":        "EEEPE -------- -EE~ ~E~E-",
 }  # fmt: skip
 
 # Parts that the page of `hknob explore` follows; what is not named here it refuses.
@@ -261,7 +262,7 @@ SAID_OF_STARTS = {"ranges": "where starts are a range", "anywhere": "where start
 
 # Engines that may take a scene, by its starts; the first that takes all of its parts does.
 TRIALS = ("bounces", "plain", "general", "unsampled", "laws")
-PHASES = ("bounces", "phases", "general_sets", "friction_sets", "law_sets", *TRIALS[1:])
+PHASES = ("bounces", "phases", "general_sets", "friction_sets", "law_sets", "friction_arcs", *TRIALS[1:])
 RANGES = ("bounces", "ranges", "general_sets", "friction_sets", "law_sets", "general", "laws")
 ANYWHERE = ("bounces", "anywhere", "general_anywhere")
 STARTS = {"phases": TRIALS, "one": PHASES, "ranges": RANGES, "anywhere": ANYWHERE}

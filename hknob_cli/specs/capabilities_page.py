@@ -43,7 +43,7 @@ also decides what a spec may say, what its faults tell, and which engine a cell 
 
 A verdict is that of a scene with this one part, which is otherwise a plain sampled wall with a hand. Several parts
 together get the lowest verdict of the first engine that takes them all (the last table). So friction beside a finger is
-followed from some of the starts only.
+followed from all phases of one start, and from some of the starts in ranges.
 A cell can still fail to be proven, for example when a sample lies on a count edge; its row then says why.
 """
 

@@ -2,10 +2,19 @@
 
 from hknob_cli.specs.over_angle import OVER_ANGLE
 
-_OF_ONE_START_OR_RANGES = ("phases", "ranges", "general_sets", "friction_sets", "law_sets")
-_SETS = ("phases", "ranges", "anywhere", "general_sets", "friction_sets", "law_sets", "general_anywhere")
+_OF_ONE_START_OR_RANGES = ("phases", "ranges", "general_sets", "friction_sets", "law_sets", "friction_arcs")
+_SETS = (
+    "phases",
+    "ranges",
+    "anywhere",
+    "general_sets",
+    "friction_sets",
+    "law_sets",
+    "friction_arcs",
+    "general_anywhere",
+)
 _A_PERIOD_APART = ("plain", "bounces", "describing", "relay", "formulas", "bench")
-_GENERAL_SETS = ("general_sets", "friction_sets", "law_sets")
+_GENERAL_SETS = ("general_sets", "friction_sets", "law_sets", "friction_arcs")
 _NOT_IN_A_MAP = {
     "a map tells starts by angle and velocity alone": ("finger", "coil", "mesh", "play"),
     "what is under way, or was read before, is not told by a map's starts": (
@@ -76,10 +85,15 @@ WHY = {
     ("people", "relay"): "its spec has no population",
     ("people", "formulas"): "its spec has no population",
     ("people", "bench"): "its spec has no population",
-    ("hysteresis", "friction_sets"): "where friction stops the knob a place is no affine function of its start",
-    ("backlash", "friction_sets"): "where friction stops the knob a place is no affine function of its start",
-    ("speed_sensor", "friction_sets"): "the torque depends on the velocity itself",
-    ("speed_sensor", "law_sets"): "the torque depends on the velocity itself",
+    **{
+        (part, column): "where friction stops the knob a place is no affine function of its start"
+        for part in ("hysteresis", "backlash")
+        for column in ("friction_sets", "friction_arcs")
+    },
+    **{
+        ("speed_sensor", column): "the torque depends on the velocity itself"
+        for column in ("friction_sets", "law_sets", "friction_arcs")
+    },
     ("several_readings", "law_sets"): "sets of more than angle and speed are cut at samples alone",
     ("lag", "device"): "that is an amplifier's own; a virtual device has it by nuisances.amplifier",
     **{(part, column): why for column in _GENERAL_SETS for part, why in _STATE_BY_STATE},

@@ -24,6 +24,7 @@ SETS = (
     "general_sets",
     "friction_sets",
     "law_sets",
+    "friction_arcs",
     "general_anywhere",
 )  # engines of sets of starts
 

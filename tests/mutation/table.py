@@ -176,6 +176,10 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/sets/friction_rest.py": (f"{PROOF}test_friction_rest_margins.py",),
     "general/sets/friction_piece.py": FRICTION_SETS,
     "general/sets/friction_box.py": (f"{PROOF}test_friction_box_margins.py",),
+    **{
+        f"general/sets/{name}.py": (f"{GENERAL_SETS}test_friction_arc.py",)
+        for name in ("friction_arc", "friction_arcs")
+    },
     "general/sets/friction_phases.py": (
         f"{PROOF}test_friction_phase_margins.py",
         f"{PROOF}test_friction_interval_margins.py",

@@ -390,6 +390,23 @@ def test_every_start_of_a_controller_beside_more(part: str, starts: str) -> None
 
 @pytest.mark.long
 @pytest.mark.drawn(3)
+@pytest.mark.parametrize("beside", ["friction", "controller", "several_readings"])
+@pytest.mark.parametrize("part", ["finger", "coil", "mesh"])
+def test_every_phase_beside_friction_and_more(part: str, beside: str) -> None:
+    """All of them are proven to end in what is listed."""
+    source = Source("spec.yaml")
+    rubs = merged(CHANGES["friction"], CHANGES[beside])
+    source.value = {**merged(deepcopy(BASE), merged(CHANGES[part], rubs)), "starts": KINDS["one"]}
+    plan = validate(source)
+    assert isinstance(plan, SweepPlan)
+    assert engine_of(scene_at(plan.scene, next(iter(cells_of(plan)))), STARTS["one"]) == "friction_arcs"
+    assert not_proven(plan) == []
+    cell = SweepStage(plan, jobs=1).run().cells.to_pylist()[0]
+    assert (cell["certified_fraction"], cell["complete"]) == (1.0, True)
+
+
+@pytest.mark.long
+@pytest.mark.drawn(3)
 @pytest.mark.parametrize("starts", ["one", "ranges", "anywhere"])
 @pytest.mark.parametrize("part", CHANGES)
 def test_sets_of_starts_are_proven_where_the_table_says(part: str, starts: str) -> None:
@@ -568,13 +585,20 @@ def test_what_hinders_sets_with_a_controller_is_told(part: str, what: str) -> No
 
 
 def test_friction_with_a_finger_is_told_as_what_hinders() -> None:
-    plan = planned("finger", starts=KINDS["one"])
-    assert isinstance(plan, SweepPlan)
-    rubbed = plan._replace(scene=plan.scene._replace(knob=plan.scene.knob._replace(coulomb_torque=1e-5)))
-    assert not_proven(rubbed) == [
-        "some phases of the start will be followed, not all: sets of states are not followed with Coulomb friction "
-        "and a finger apart from the knob"
-    ]
+    for starts, expected in (
+        ("one", []),
+        (
+            "ranges",
+            [
+                "some starts will be followed, not all: sets of states are not followed with Coulomb friction "
+                "and a finger apart from the knob"
+            ],
+        ),
+    ):
+        plan = planned("finger", starts=KINDS[starts])
+        assert isinstance(plan, SweepPlan)
+        rubbed = plan._replace(scene=plan.scene._replace(knob=plan.scene.knob._replace(coulomb_torque=1e-5)))
+        assert not_proven(rubbed) == expected
 
 
 def test_every_column_has_a_title_of_its_own() -> None:

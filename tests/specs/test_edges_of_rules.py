@@ -276,7 +276,7 @@ def test_a_controller_of_which_a_part_hinders_is_not_named_twice() -> None:
 
 
 def test_each_of_two_parts_that_hinder_one_engine_is_named() -> None:
-    said = _hindrance(frozenset({"controller", "friction", "finger"}), "one")
+    said = _hindrance(frozenset({"controller", "friction", "finger"}), "ranges")
     assert said == "a controller beside Coulomb friction and a finger apart from the knob"
 
 

@@ -32,6 +32,20 @@ def next_mode(mode, z, u, body):
     return way(z[1], pull, body.friction)
 
 
+def rub_on(z, u, span, body, pad):
+    """Move ``z`` of more states over a hold from event to event of friction; in how many steps."""
+    left, steps = span, 0
+    mode = way(z[1], acceleration(z, u, body), body.friction)
+    while left > 0.0:
+        t, ended, more = slide_many(z, u, mode, left, body, pad)
+        left -= t
+        steps += more
+        if not ended:
+            break
+        mode = next_mode(mode, z, u, body)
+    return steps
+
+
 def rub_many(z, u, span, body, pad):
     """More states, with friction or play, or any beside cogging: move ``z`` over a hold from event to event."""
     if body.play > 0.0:
@@ -40,14 +54,7 @@ def rub_many(z, u, span, body, pad):
     if has_cogs(body.cogs):
         cog_many(body.cogs, z, u, span, body, pad)
         return
-    left = span
-    mode = way(z[1], acceleration(z, u, body), body.friction)
-    while left > 0.0:
-        t, ended = slide_many(z, u, mode, left, body, pad)
-        left -= t
-        if not ended:
-            break
-        mode = next_mode(mode, z, u, body)
+    rub_on(z, u, span, body, pad)
 
 
 def advance_span(z, u, span, body, pad):
@@ -69,7 +76,7 @@ def slide(z, u, mode, left, s, g, f, known, body, pad):
     (s, g, f): coefficients of second order over ``left``, if ``known``; those of the slide are returned.
     """
     if body.order > 2:
-        t, ended = slide_many(z, u, mode, left, body, pad)
+        t, ended, _ = slide_many(z, u, mode, left, body, pad)
         return t, ended, s, g, f
     if mode == 0:
         return left, False, 0.0, 0.0, 1.0

@@ -125,16 +125,17 @@ def creep(z, mode, left, body, pad):
 
 
 def slide_many(z, u, mode, left, body, pad):
-    """Move ``z`` in one ``mode`` until it ends or ``left`` is over: ``(time, whether it ended)``.
+    """Move ``z`` in one ``mode`` until it ends or ``left`` is over: ``(time, whether it ended, steps)``.
 
     A body that rings thousands of times in a sample takes a hundred thousand steps: each looks at ``body.halt``.
     """
     n = body.order
-    total = 0.0
+    total, steps = 0.0, 0
     half = 0
     left = floor(left * FINEST) / FINEST
     table = HALVES_HELD if mode == 0 else HALVES
     while left > 0.0 and not body.halt[0] > 0.0:
+        steps += 1
         h = 0.5**half
         while h > left:
             half += 1
@@ -169,7 +170,7 @@ def slide_many(z, u, mode, left, body, pad):
             if starting:
                 accept(z, pad, n)
                 z[1] = 0.0
-                return total + h, True
+                return total + h, True, steps
             for deeper in range(half + 1, HALVINGS):
                 rate_of(z, u, mode, body, pad)
                 stretch(z, pad, table + deeper, body)
@@ -178,10 +179,10 @@ def slide_many(z, u, mode, left, body, pad):
                     total += 0.5**deeper
             if mode != 0:
                 z[1] = 0.0
-            return total, True
+            return total, True, steps + HALVINGS
         accept(z, pad, n)
         total += h
         left -= h
         if half > 0:
             half -= 1
-    return total, False
+    return total, False, steps

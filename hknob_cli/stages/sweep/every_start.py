@@ -70,13 +70,15 @@ class StartsFinder:
 
         ``group``: of engine functions, with or without friction.
         """
+        from hknob_cli.engine.general.sets.friction_arc_search import FrictionArcEngine
         from hknob_cli.engine.general.sets.friction_search import FrictionSetEngine
         from hknob_cli.engine.general.sets.search import GeneralSetEngine
 
         functions = self.functions.get(group)
-        kind = FrictionSetEngine if group == "friction sets" else GeneralSetEngine
+        kinds: dict[str, Callable[..., Any]] = {"friction sets": FrictionSetEngine, "friction arcs": FrictionArcEngine}
+        kind = kinds.get(group, GeneralSetEngine)
         if type(self._general) is not kind:
-            self._general = kind(functions, self.stopped)
+            self._general = kind(functions=functions, stopped=self.stopped)
         self._general.patience = self.patience(group)
         return _search_sets(self._general, plan, knob, group, rate=knob.rate, memory=knob.delay_line)
 
@@ -85,10 +87,13 @@ class StartsFinder:
 
         None, too, where sets take more work than a cell may: trials then tell more than sets that are given up.
         """
+        from hknob_cli.engine.general.sets.friction_arc_search import FrictionArcEngine
         from hknob_cli.engine.general.sets.law_search import LawSetEngine, LawStatesEngine
 
-        kind = LawSetEngine if group == "friction sets" else LawStatesEngine
-        sets = kind(engine.law, self.functions.get(group), self.stopped, self.patience(group))
+        kinds: dict[str, Callable[..., Any]] = {"friction sets": LawSetEngine, "friction arcs": FrictionArcEngine}
+        sets = kinds.get(group, LawStatesEngine)(
+            engine.law, self.functions.get(group), self.stopped, self.patience(group)
+        )
         found = _search_sets(sets, plan, made.knob, group, rate=made.rate, memory=engine.past_length)
         return None if found is not None and found.why is Reason.WORK_LIMIT else found
 

@@ -97,13 +97,13 @@ def test_more_states_agree_with_two(x: float, v: float, u: float) -> None:
     assert (two.order, three.order) == (2, 3)
     mode = way(v, u + two.drive - two.beta * x, two.friction)
     if mode == 0:
-        assert slide_many([x, 0.0, u], u, 0, 1.0, three, [0.0] * 6) == (1.0, False)
+        assert slide_many([x, 0.0, u], u, 0, 1.0, three, [0.0] * 6) == (1.0, False, 1)
         return
     drive = u + two.drive - mode * two.friction
     s, g, f, t, ended = until_zero(x, v, drive, mode, 1.0, 0.0, 0.0, 1.0, False, two)
     y = drive - two.beta * x
     z = [x, v, u]
-    taken, over = slide_many(z, u, mode, 1.0, three, [0.0] * 6)
+    taken, over, _ = slide_many(z, u, mode, 1.0, three, [0.0] * 6)
     size = abs(x) + abs(v) + abs(y)
     assert z[2] == u
     assert z[0] == pytest.approx(x + s * v + g * y, rel=0, abs=200.0 * EPS * size)

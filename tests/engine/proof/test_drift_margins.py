@@ -9,7 +9,7 @@ import pytest
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import CONSTANT, ENTRY, FIRST, HALVES, HALVINGS, SECOND, Body, norm
-from hknob_cli.engine.general.sets.drift import MARGIN, POWERS, Drift, _largest, make_drift
+from hknob_cli.engine.general.sets.drift import MARGIN, POWERS, Drift, largest_entries, make_drift
 from hknob_cli.engine.general.sets.readings import deepest_level
 from tests.engine.general.sets.cells import cell
 
@@ -142,7 +142,7 @@ def test_the_largest_entries_of_a_difference_are_those_of_all_its_energy(coil: f
         more = {"pad_stiffness": 3.0, "finger_stiffness": 5.0} if ratio else {}
         reach = sqrt(1.0 / 3.0 + ratio / 5.0) if ratio else 1.0
         one = body()._replace(order=n, ratio=ratio, coil=coil, lag=lag, reach=reach, **more)
-        spans = _largest(one)
+        spans = largest_entries(one)
         assert spans == pytest.approx(spans_of(one), rel=1e-15)
         for i in range(n):
             entry = np.eye(n)[i]

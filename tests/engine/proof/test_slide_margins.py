@@ -216,7 +216,7 @@ class Slide:
         self.mode, self.took = mode, []
         self.z = [0.0, mode * self.value(0.0)]
         one = PLAIN._replace(friction=2.0, halt=[halt])
-        total, ended = slide_many(self.z, 7.0, mode, left, one, [0.0] * 4)
+        total, ended, _ = slide_many(self.z, 7.0, mode, left, one, [0.0] * 4)
         return total, ended
 
 

@@ -81,7 +81,7 @@ def test_a_slide_stops_where_its_body_is_told_to() -> None:
     one = stiff()
     z = one.start(0.02, 0.0)
     one.body.halt[0] = 1.0
-    assert slide_many(z, 0.0, -1, 1.0, one.body, [0.0] * 6) == (0.0, False)
+    assert slide_many(z, 0.0, -1, 1.0, one.body, [0.0] * 6) == (0.0, False, 0)
     assert z == one.start(0.02, 0.0)
 
 

@@ -11,7 +11,7 @@ from math import inf
 from typing import Any, NamedTuple
 
 from hknob_cli.engine.certificate import EPSILON
-from hknob_cli.engine.general.body import CONSTANT, ENTRY, FIRST, HALVES, HALVINGS, SECOND, Body, norm
+from hknob_cli.engine.general.body import CONSTANT, ENTRY, FIRST, HALVES, HALVINGS, RATES, SECOND, Body, norm
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.laws.law import MATRIX, PIECE, SPAN, F, G, Law, S
 from hknob_cli.engine.general.sets.readings import deepest_level
@@ -57,7 +57,7 @@ def make_drift(body: Body, wall: Controller, law: Law | None = None) -> Drift:
         pieces = [law.sched[at : at + PIECE] for at in range(0, law.pieces * PIECE, PIECE)]
         holds = [(one[SPAN], int(one[MATRIX]), (one[S], one[G], one[F])) for one in pieces]
     units = [norm([float(i == j) for j in range(n)], body) for i in range(n)]
-    spans = _largest(body)
+    spans = largest_entries(body)
     overlap = 1.0 + sum(one * span for one, span in zip(units, spans, strict=True))
     powers: list[float] = []
     blur = 16.0 * EPSILON  # for what cutting a polygon and telling it from another centre rounds
@@ -86,12 +86,12 @@ def make_drift(body: Body, wall: Controller, law: Law | None = None) -> Drift:
         once=[MARGIN * value for value in once],
         units=units,
         blur=MARGIN * overlap * blur,
-        coast=MARGIN * _coast(body, a, units, spans),
+        coast=MARGIN * _coast(body, units, spans),
         bottom=deepest_level(wall) if law is None else -inf,
     )
 
 
-def _coast(body: Body, a: Matrix, units: list[float], spans: list[float]) -> float:
+def _coast(body: Body, units: list[float], spans: list[float]) -> float:
     """Bound on the error of `arc.drift_over`, and of a rate by it, for a rate of norm 1."""
     n = body.order
     if n == 2:
@@ -102,25 +102,18 @@ def _coast(body: Body, a: Matrix, units: list[float], spans: list[float]) -> flo
         size = sum(units[i] * abs(body.matrices[i * n + j]) * spans[j] for i in range(n) for j in range(n))
         return float(32.0 * EPSILON * (1.0 + size) * (1.0 + within))
     total = 0.0
-    exact: list[Matrix] = []
-    power, integral = exponential(a, 0.5 ** (HALVINGS - 1))
-    for _ in range(HALVINGS):
-        exact.append(integral)
-        further = product(power, integral)
-        integral = [[p + q for p, q in zip(r, s, strict=True)] for r, s in zip(integral, further, strict=True)]
-        power = product(power, power)
     size = [spans[i] + sum(abs(body.matrices[i * n + j]) * spans[j] for j in range(n)) for i in range(n)]
-    for half in range(HALVINGS):
-        base, right = (HALVES + half) * n * n, exact[HALVINGS - 1 - half]
+    for half, right in enumerate(halves(body)):
+        base = (HALVES + half) * n * n
         for i in range(n):
             for j in range(n):
                 held = body.matrices[base + i * n + j]
-                total += units[i] * (_off(held, right[i][j]) * spans[j] + (2 * n + 6) * EPSILON * abs(held) * size[j])
+                total += units[i] * (off(held, right[i][j]) * spans[j] + (2 * n + 6) * EPSILON * abs(held) * size[j])
     ways = sum(units[i] * size[i] for i in range(n))
     return float((total + 0.5 ** (HALVINGS - 1)) * (1.0 + ways) + (n + 2) * EPSILON * ways)
 
 
-def _largest(body: Body) -> list[float]:
+def largest_entries(body: Body) -> list[float]:
     """The largest that each entry of a difference of norm 1 can be."""
     spans = [body.reach, 1.0]
     if body.ratio > 0.0:
@@ -151,7 +144,7 @@ def _hold(
     if n == 2:
         # x + (s v + g y) and f v + s y; y is the second rate without its damping.
         s, g, f = plane
-        wrong_s, wrong_g, wrong_f = _off(s, phi[0][1]), _off(g, d[0][1]), _off(f, phi[1][1])
+        wrong_s, wrong_g, wrong_f = off(s, phi[0][1]), off(g, d[0][1]), off(f, phi[1][1])
         pull = [rate[1][0], rate[1][1], rate[1][2], 0.0]
         speed = [0.0, 0.0, 0.0, 1.0]
         place = [0.0, 0.0, 1.0, 0.0]
@@ -162,10 +155,10 @@ def _hold(
         size, wrong = [], []
         for i in range(n):
             held = [abs(body.matrices[base + i * n + j]) for j in range(n)]
-            off = [_off(body.matrices[base + i * n + j], d[i][j]) for j in range(n)]
+            apart = [off(body.matrices[base + i * n + j], d[i][j]) for j in range(n)]
             own = [1.0 if k == 2 + i else 0.0 for k in range(n + 2)]
             size.append([own[k] + sum(held[j] * rate[j][k] for j in range(n)) for k in range(n + 2)])
-            wrong.append([sum(off[j] * rate[j][k] for j in range(n)) for k in range(n + 2)])
+            wrong.append([sum(apart[j] * rate[j][k] for j in range(n)) for k in range(n + 2)])
     once = [sum(units[i] * (wrong[i][k] + (2 * n + 6) * EPSILON * size[i][k]) for i in range(n)) for k in range(n + 2)]
     return once, size
 
@@ -174,7 +167,7 @@ def _add(base: list[float], one: list[float], other: list[float], by: float, by_
     return [p + by * q + by_other * r for p, q, r in zip(base, one, other, strict=True)]
 
 
-def _off(value: float, exact: int) -> float:
+def off(value: float, exact: int) -> float:
     """How far a float is from an exact number."""
     return float(abs(_whole(value) - exact) / POINT)
 
@@ -183,10 +176,23 @@ def _whole(value: float) -> int:
     return int(Fraction(value) * POINT)
 
 
-def whole_matrix(body: Body) -> Matrix:
-    """The rates of a body that slides, `body.RATES`, as whole numbers."""
+def whole_matrix(body: Body, which: int = RATES) -> Matrix:
+    """The rates of a body, that slides or as ``which`` of its matrices has it, as whole numbers."""
     n = body.order
-    return [[_whole(body.matrices[i * n + j]) for j in range(n)] for i in range(n)]
+    at = which * n * n
+    return [[_whole(body.matrices[at + i * n + j]) for j in range(n)] for i in range(n)]
+
+
+def halves(body: Body, which: int = RATES) -> list[Matrix]:
+    """Integrals of the exponential of these rates over a sample period, half of it, and so on, `body.HALVINGS` many."""
+    power, integral = exponential(whole_matrix(body, which), 0.5 ** (HALVINGS - 1))
+    found: list[Matrix] = []
+    for _ in range(HALVINGS):
+        found.append(integral)
+        further = product(power, integral)
+        integral = [[p + q for p, q in zip(r, s, strict=True)] for r, s in zip(integral, further, strict=True)]
+        power = product(power, power)
+    return found[::-1]
 
 
 def product(a: Matrix, b: Matrix) -> Matrix:

@@ -92,13 +92,8 @@ def _halves(body: Body, span: float) -> list[float]:
     return [number for row in reversed(rows) for number in row]
 
 
-def _plan(body: Body, wall: Controller, law: Law | None) -> tuple[list[float], list[float], list[float]]:
-    """Parts of an interval; with a lag the halves of each length that one has, and where those of each part are."""
-    course: list[float] = []
-    lags: list[float] = []
-    places: list[float] = []
-    known: dict[float, int] = {}
-    plane = plane_of(body)
+def holds_of(wall: Controller, law: Law | None) -> list[tuple[float, float, float]]:
+    """Holds of an interval: which of its torques acts, how long, and which look into it is at the end, or -1."""
     holds = [(0.0, wall.split, -1.0), (1.0, 1.0 - wall.split, -1.0)]
     if law is not None:
         starts, first = range(0, law.pieces * PIECE, PIECE), float(law.rows + 1)
@@ -107,17 +102,26 @@ def _plan(body: Body, wall: Controller, law: Law | None) -> tuple[list[float], l
         holds = [
             (law.sched[at + LAW_TORQUE], law.sched[at + LAW_SPAN], look) for at, look in zip(starts, looks, strict=True)
         ]
-    for torque, span, look in holds:
-        if span > 0.0:
-            n = parts_of_hold(span, plane)
-            if n == 0:
-                return [], [], []
-            if body.lag > 0.0 and span / n not in known:
-                known[span / n] = len(lags)
-                lags += _halves(body, span / n)
-            part = [torque, span / n, *coefficients(span / n, plane)]
-            course += [*((n - 1) * [*part, -1.0]), *part, look]
-            places += n * [float(known.get(span / n, 0))]
+    return [hold for hold in holds if hold[1] > 0.0]
+
+
+def _plan(body: Body, wall: Controller, law: Law | None) -> tuple[list[float], list[float], list[float]]:
+    """Parts of an interval; with a lag the halves of each length that one has, and where those of each part are."""
+    course: list[float] = []
+    lags: list[float] = []
+    places: list[float] = []
+    known: dict[float, int] = {}
+    plane = plane_of(body)
+    for torque, span, look in holds_of(wall, law):
+        n = parts_of_hold(span, plane)
+        if n == 0:
+            return [], [], []
+        if body.lag > 0.0 and span / n not in known:
+            known[span / n] = len(lags)
+            lags += _halves(body, span / n)
+        part = [torque, span / n, *coefficients(span / n, plane)]
+        course += [*((n - 1) * [*part, -1.0]), *part, look]
+        places += n * [float(known.get(span / n, 0))]
     return course, lags, places
 
 

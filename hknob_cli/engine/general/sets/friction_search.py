@@ -16,7 +16,7 @@ from hknob_cli.engine.general.sets.drift import Drift
 from hknob_cli.engine.general.sets.ends import Known, ends_of, make_known, why_not
 from hknob_cli.engine.general.sets.friction_phases import FIRST, HALVINGS
 from hknob_cli.engine.general.sets.friction_room import can_rub, friction_drift, make_friction_room, plane_of
-from hknob_cli.engine.general.sets.scope import make_scope
+from hknob_cli.engine.general.sets.scope import Scope, make_scope
 from hknob_cli.engine.general.sets.search import GeneralSetEngine
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.sets.search import SLICE
@@ -55,12 +55,28 @@ class FrictionSetEngine(GeneralSetEngine):
             return as_arrays(body), Drift._make(np.array(v) if isinstance(v, list) else v for v in drift), known
         return body, drift, known
 
+    def intervals(self) -> tuple[int, int]:
+        """Numbers of an interval of phases that waits, and how many may, as each is halved before the next."""
+        return 2, FIRST + HALVINGS + 2
+
     def plane(self, body: Body) -> Body:
         """As that of `GeneralSetEngine`: a torque that lags is the same for all states of a piece."""
         return plane_of(body)
 
     def _filled(self, values: list[float]) -> Any:
         return np.array(values, dtype=np.float64) if self.compiled else list(values)
+
+    def phase_follower(
+        self, body: Body, wall: Controller, start: list[float], delay_line: int, scope: Scope
+    ) -> tuple[Callable[..., Any], Known]:
+        """What follows the intervals of phases that wait, called with them, and the ends that it enters."""
+        room = self.room(body, delay_line)
+        work = make_friction_room(self._zeros, self._filled, delay_line, body, wall, self.law)
+        wall = wall if self.compiled else as_list(wall)
+        body, drift, known = self.ready(body, wall, delay_line)
+        follow = partial(self._function(friction_phases, "follow_phases"), start[0], start[1])
+        rest = scope.patience, scope.budget, scope.limit, room, work, drift, known, body, wall
+        return lambda *some: follow(*some, *rest), known
 
     def search_phases(
         self,
@@ -82,26 +98,23 @@ class FrictionSetEngine(GeneralSetEngine):
         scope = make_scope(body, wall, start[0], start[1], rate, max_samples)
         if not scope.fine:
             return None
-        room = self.room(body, delay_line)
-        work = make_friction_room(self._zeros, self._filled, delay_line, body, wall, self.law)
-        wall = wall if self.compiled else as_list(wall)
-        body, drift, known = self.ready(body, wall, delay_line)
-        stack = self._zeros(2 * (FIRST + HALVINGS + 2))
+        size, many = self.intervals()
+        stack = self._zeros(size * many)
         for k in range(FIRST):
-            stack[2 * k], stack[2 * k + 1] = (FIRST - 1 - k) / FIRST, (FIRST - k) / FIRST
-        follow = partial(self._function(friction_phases, "follow_phases"), start[0], start[1])
-        rest = scope.patience, scope.budget, scope.limit, room, work, drift, known, body, wall
+            for j in range(0, size, 2):
+                stack[size * k + j], stack[size * k + j + 1] = (FIRST - 1 - k) / FIRST, (FIRST - k) / FIRST
+        follow, known = self.phase_follower(body, wall, start, delay_line, scope)
         waiting, pieces, undecided, narrowest, taken = FIRST, 0, 0.0, 1.0, 0
         with Alarm(time_allowed(seconds, self.patience, compiled=self.compiled), body.halt) as alarm:
             while waiting and not alarm.over and taken <= self.longest_phases(body):
                 if self.stopped():
                     raise StoppedError
                 waiting, ended, lost, shortest, used = follow(
-                    waiting, SLICE if self.compiled else SLICE_INTERPRETED, stack, *rest
+                    waiting, SLICE if self.compiled else SLICE_INTERPRETED, stack
                 )
                 pieces, undecided, taken = pieces + int(ended), undecided + float(lost), taken + int(used)
                 narrowest = min(narrowest, float(shortest))
-        left = float(sum(stack[2 * k + 1] - stack[2 * k] for k in range(int(waiting))))
+        left = float(sum(stack[size * k + size - 1] - stack[size * k + size - 2] for k in range(int(waiting))))
         found, why = ends_of(known, body.order, delay_line), why_not(known)
         if self.by_area(body):  # a piece holds more than its interval: its middle may end where no phase does
             found = [one for one in found if one.trials > 0.0]

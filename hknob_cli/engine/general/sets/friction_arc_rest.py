@@ -1,0 +1,77 @@
+"""Rest of an arc with friction: whether all of its states provably come to rest, and in which readings."""
+
+from hknob_cli.engine.certificate import EPSILON
+from hknob_cli.engine.follow import REST_PROVEN
+from hknob_cli.engine.general.body import distance, stiffness
+from hknob_cli.engine.general.controller import lower_edge, read, upper_edge
+from hknob_cli.engine.general.inner_region import ROUNDINGS, hold_zone
+from hknob_cli.engine.general.sets.friction_arc import BEFORE, STANDS
+from hknob_cli.engine.general.sets.known import FULL, add_end, resting
+from hknob_cli.engine.general.sets.memory import copy_settled, settle_memory, watched
+from hknob_cli.engine.general.sets.readings import highest, lowest
+from hknob_cli.engine.general.standstill import stays_held
+
+UNKNOWN, SEVERAL = -1, -3  # instead of the row of a rest
+
+
+def rest_at(x, u, spring, out, body):
+    """Leave in ``out`` a body at rest at ``x`` under the torque ``u``; ``spring``: as `hold_zone` has it."""
+    n = body.order
+    for j in range(n):
+        out[j] = 0.0
+    out[0] = x
+    if body.ratio > 0.0:
+        out[2] = spring * (x + body.shift) / body.pad_stiffness
+    if body.lag > 0.0:
+        out[n - 1] = u
+
+
+def rest_of_arc(room, reach, level, narrow, drift, known, body, wall):
+    """Row of the rest where all states of the arc in ``room`` end that acts as ``level``.
+
+    As `friction_rest.near_rest`. `UNKNOWN` if none is known to, `SEVERAL` where they may rest in more than one reading;
+    if ``narrow``, each of these is entered. ``reach``: of the arc, in `body.norm`.
+    """
+    z, ring, before, away = room.z, room.ring, room.arc[BEFORE], known.space.away
+    if body.friction == 0.0:
+        return resting(z, before, ring, reach, level, known, body, wall)
+    still, u, wrong, left = settle_memory(known.law, z[0], level, before, ring, wall)
+    if not still or (body.ratio > 0.0 and body.pad_damping + body.finger_damping == 0.0):
+        return UNKNOWN
+    spring, low, high = hold_zone(u, level, body, wall)
+    if not spring > 0.0:
+        return UNKNOWN
+    low, high = low + wrong / spring, high - wrong / spring
+    if low > high:
+        return UNKNOWN
+    blur = 2.0 * body.friction / spring - (high - low)
+    rest = min(max(z[0], low), high)
+    rest_at(rest, u, spring, away, body)
+    for j in range(body.order):
+        away[j] = z[j] - away[j]
+    far = (distance(away, body) + body.reach * (reach + left)) * (1.0 + 1e-9)
+    far += ROUNDINGS * EPSILON * (1.0 + abs(rest) + abs(z[0]))
+    watch = watched(known.law, wall)
+    bottom, top = lowest(level, drift.bottom, watch), highest(level, watch)
+    if room.arc[STANDS] > 0.0 and left == 0.0:
+        other = wrong + stiffness(body) * reach
+        if not (stays_held(z, u - other, body) and stays_held(z, u + other, body)):
+            return UNKNOWN
+    elif not far < min(rest - bottom, top - rest):
+        return UNKNOWN
+    inside = 8.0 * EPSILON * (1.0 + abs(rest))
+    shown, last, row = read(max(rest - far, bottom + inside), wall), read(min(rest + far, top - inside), wall), UNKNOWN
+    if shown < last and not narrow:
+        return SEVERAL
+    while shown <= last:
+        at = min(max(rest, lower_edge(shown, wall) + inside), upper_edge(shown, wall) - inside)
+        if low <= at <= high:
+            rest_at(at, u, spring, known.z, body)
+            copy_settled(known.law, ring, known.ring)
+            row = add_end(REST_PROVEN, 1, shown, 0 * len(ring), known, body, wall)
+            if row == FULL:
+                return row
+        elif low - blur <= at <= high + blur:
+            return UNKNOWN
+        shown += 1.0
+    return row

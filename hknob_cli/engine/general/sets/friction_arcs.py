@@ -1,0 +1,238 @@
+"""Every clock phase of one start, with friction and more than angle and speed: arcs, cut where a sample meets an edge.
+
+As `arc`, but arcs are moved hold by hold (`friction_arc`), and are begun anew from the start, shorter, where too much
+of one is known only by how far it is from its line. A part of an arc goes beyond the edge where it is cut by as much:
+so whatever a state truly reads, a part that acts as this reading holds it.
+"""
+
+from hknob_cli.engine.follow import CYCLE_PROVEN, GREW, UNSETTLED
+from hknob_cli.engine.general.body import copy_to, norm_at
+from hknob_cli.engine.general.captured import FIELDS
+from hknob_cli.engine.general.sets.ball import FIRST_REST_TEST
+from hknob_cli.engine.general.sets.friction_arc import (
+    BEFORE,
+    ERROR,
+    FROM,
+    HIGH,
+    LEVEL,
+    LOW,
+    SAMPLE,
+    STANDS,
+    STATE,
+    TO,
+    TOLD,
+    apart_of,
+    ball_of,
+    begin_arc,
+    beside_of,
+    rub_arc,
+    start_rate,
+)
+from hknob_cli.engine.general.sets.friction_arc_parts import (
+    ARCS,
+    INTERVAL,
+    begin_again,
+    halve_arc,
+    keep_arc,
+    part_arc,
+    take_arc,
+    wait_arc,
+)
+from hknob_cli.engine.general.sets.friction_arc_rest import SEVERAL, rest_of_arc
+from hknob_cli.engine.general.sets.friction_phases import NARROWEST, UNPROVEN
+from hknob_cli.engine.general.sets.known import FULL, NO_ROOM, blame, captor, fate_of, is_proven, seek
+from hknob_cli.engine.general.sets.memory import begin_at, command_all, first_look, watched
+from hknob_cli.engine.general.sets.readings import acting, remembered, steps_deeper
+
+TORQUE, SPAN, LOOK = range(3)  # numbers of a hold of an interval: which torque acts, how long, which look ends it
+HOLD = 3
+MOST = 4096  # that one beginning may come to
+BLURRED = 0.25  # of an arc's half length: with as much beside its line it is not cut, but begun anew
+MUCH = 0.25  # of the margin of an orbit: a larger arc that it does not capture is halved
+ENDED, PARTED, AGAIN, LOST = range(4)  # what becomes of an arc
+SINCE = 2.0  # all states stand, and did at the sample before; 1: since then
+TORN = -1  # instead of the number of a reading: states of a long arc do not all do the same
+LONG = 2.0**-12  # counts per sample: a shorter arc is not halved for that
+LEAST = 1e-300  # phases: a part that is followed has a measure
+
+
+def look_up(room, which, drift, body, watch):
+    """The reading, number ``which`` of an interval, of the arc in ``room``: ``(level, the highest that it may be)``.
+
+    What is told of it is kept. So is that of the sample before it where all states stand since.
+    """
+    if which < int(room.arc[TOLD]):
+        return room.told[which], room.told[which]
+    if room.arc[STANDS] >= SINCE:
+        room.told[which] = room.arc[LEVEL] if which == 0 else room.told[0]
+        return room.told[which], room.told[which]
+    x, reach = room.z[0], abs(room.columns[0]) + beside_of(room, body)
+    low, high = acting(x - reach, drift.bottom, watch), acting(x + reach, drift.bottom, watch)
+    room.told[which] = low
+    return low, high
+
+
+def step_arc(room, before, drift, known, body, wall):
+    """Move the arc in ``room`` over an interval that acts as `room.told` begins: ``(high, which)``.
+
+    ``which``: number of a reading within the interval that is not one, 0 without, `TORN` where the arc is to be halved
+    first; ``high``: the highest that it may be.
+    """
+    z, ring, law = room.z, room.ring, known.law
+    watch, line = watched(law, wall), norm_at(room.columns, 0, body)
+    stood = room.arc[STANDS] > 0.0
+    long = line > LONG and line > 2.0 * ball_of(room, body)
+    head, _ = command_all(law, room.told[0], before, ring, wall, room.torques)
+    for j in range(len(ring)):
+        room.spare[j] = ring[(head + j) % len(ring)]
+    copy_to(ring, room.spare)
+    for at in range(0, len(room.course), HOLD):
+        alike = rub_arc(room, z, room.torques[int(room.course[at + TORQUE])], room.course[at + SPAN], drift, body)
+        if not alike and long:
+            return 0.0, TORN
+        if stood and room.arc[STANDS] > 0.0:
+            room.arc[STANDS] = SINCE
+        elif not room.arc[STANDS] > 0.0:
+            stood = False
+        look = int(room.course[at + LOOK])
+        if look >= 0:
+            low, high = look_up(room, look + 1, drift, body, watch)
+            if low < high:
+                return high, look + 1
+            ring[first_look(law) + look] = low
+    return 0.0, 0
+
+
+def end_of_arc(room, waiting, patience, budget, limit, drift, known, body, wall):
+    """Follow the last arc that waits: ``(waiting, fate, row, samples)``; ``row`` is a fate where it is lost.
+
+    It is left in ``room.own`` as it was at its last sample.
+    """
+    z, ring, arc, law = room.z, room.ring, room.arc, known.law
+    watch = watched(law, wall)
+    waiting -= 1
+    take_arc(room, waiting)
+    narrow = arc[HIGH] - arc[LOW] <= NARROWEST
+    run, next_test, wait, taken, shorter = 0, FIRST_REST_TEST, patience, 0, False
+    since = int(arc[SAMPLE]) % patience
+    while True:
+        keep_arc(room)
+        if arc[SAMPLE] >= budget or not -limit < z[0] < limit:
+            return waiting, LOST, UNSETTLED if arc[SAMPLE] >= budget else GREW, taken
+        reach, last, before = apart_of(room, body), arc[LEVEL], arc[BEFORE]
+        taken += 1
+        level, high = look_up(room, 0, drift, body, watch)
+        which = 0
+        if level == high:
+            if arc[SAMPLE] == 0.0:
+                before = begin_at(law, level, ring, wall)
+            elif steps_deeper(level, last, watch):
+                row = captor(z, before, ring, 0 * len(ring), reach, known, body, wall)
+                if row >= 0:
+                    return waiting, ENDED, row, taken
+            run = run + 1 if level == last else 0
+            if level != last:
+                next_test = FIRST_REST_TEST
+            elif run >= next_test:
+                next_test = 2 * run
+                row = rest_of_arc(room, reach, level, narrow, drift, known, body, wall)
+                if row >= 0:
+                    return waiting, ENDED, row, taken
+                if row == FULL:
+                    return waiting, LOST, NO_ROOM, taken
+                shorter = shorter or row == SEVERAL
+            if since >= wait and not shorter:
+                row, steps = seek(z, before, ring, 0 * len(ring), budget - int(arc[SAMPLE]), limit, known, body, wall)
+                taken += steps
+                if body.halt[0] > 0.0 or not is_proven(row, known):
+                    return waiting, LOST, fate_of(row, known), taken
+                if known.table[row * FIELDS] == CYCLE_PROVEN:
+                    margin = known.table[row * FIELDS + 2] - known.table[row * FIELDS + 5]
+                    shorter = wait != patience and not narrow and body.reach * reach > MUCH * margin
+                since, wait = 0, wait + 2 * int(known.table[row * FIELDS + 1]) + 1
+            if shorter:
+                if norm_at(room.columns, 0, body) * BLURRED < ball_of(room, body) + arc[ERROR]:
+                    return waiting, AGAIN, -1, taken
+                waiting = halve_arc(room, waiting)
+                return waiting, (PARTED if waiting >= 0 else LOST), NO_ROOM, taken
+            high, which = step_arc(room, before, drift, known, body, wall)
+            if which == 0:
+                arc[BEFORE], arc[LEVEL], arc[TOLD] = remembered(level, wall), level, 0.0
+                arc[SAMPLE] += 1.0
+                since += 1
+                continue
+        if which == TORN:
+            waiting = halve_arc(room, waiting)
+            return waiting, (PARTED if waiting >= 0 else LOST), NO_ROOM, taken
+        if not narrow and beside_of(room, body) > BLURRED * abs(room.columns[0]):
+            return waiting, AGAIN, -1, taken
+        waiting = part_arc(room, waiting, which, high, drift, body, watch)
+        return waiting, (PARTED if waiting >= 0 else LOST), NO_ROOM, taken
+
+
+def follow_friction_arcs(start, first, samples, stack, patience, budget, limit, room, drift, known, body, wall):
+    """Follow the intervals of phases that wait until none does or ``samples`` are taken.
+
+    Args:
+        start: State before the first sample, (order).
+        first: Intervals that wait, in ``stack``.
+        samples: That may pass.
+        stack: Room for intervals, `INTERVAL` numbers each: low and high phase, and those from which to which it counts.
+        patience: Samples after which an end is looked for by a trial.
+        budget: Samples that a motion may take.
+        limit: Position past which a motion has diverged.
+        room: `friction_arc_search.RubRoom`.
+        drift: `friction_arc_search.rub_drift`.
+        known: `ends.Known`; shares are entered into its table.
+        body: The body.
+        wall: The controller.
+
+    Returns ``(waiting, ended, undecided, shortest, taken)`` as `friction_phases.follow_phases`.
+    """
+    waiting, ended, undecided, shortest, taken = first, 0, 0.0, 1.0, 0
+    rate = start_rate(start, body, room.pad)
+    while waiting > 0 and taken < samples and not body.halt[0] > 0.0:
+        waiting -= 1
+        length = stack[INTERVAL * waiting + 1] - stack[INTERVAL * waiting]
+        for j in range(STATE):
+            room.arc[j] = 0.0
+        for j in range(INTERVAL):
+            room.arc[LOW + j] = stack[INTERVAL * waiting + j]
+        for j in range(len(room.ring)):
+            room.ring[j] = 0.0
+        begin_arc(start, rate, room, drift, body)
+        keep_arc(room)
+        wait_arc(room, 0, -1.0, 1.0, -1.0, 1.0)
+        arcs, begun = 1, 1
+        while arcs > 0:
+            before = arcs
+            arcs, fate, row, used = end_of_arc(room, arcs, patience, budget, limit, drift, known, body, wall)
+            taken += used
+            if fate == PARTED and begun < MOST:
+                begun += arcs - before
+                continue
+            counted = max(room.own[TO] - room.own[FROM], LEAST)
+            if fate == ENDED:
+                known.table[row * FIELDS + 6] += counted
+                shortest = min(shortest, counted)
+                ended += 1
+                continue
+            if arcs < 0 or fate == PARTED:
+                fate, row, arcs = AGAIN, NO_ROOM, before - 1
+            halted, more = body.halt[0] > 0.0, -1
+            if fate == AGAIN or counted > UNPROVEN or halted:
+                more = begin_again(stack, waiting, room.own, 0, length)
+            if more < 0:
+                blame(NO_ROOM if fate == AGAIN else row, counted, known)
+                undecided += counted
+                ended += 1
+            waiting = max(waiting, more)
+            full = fate == AGAIN and row == NO_ROOM
+            while (full or halted) and arcs > 0:  # what waits of this beginning is begun anew, too
+                arcs -= 1
+                more = begin_again(stack, waiting, room.stack, arcs * (len(room.stack) // ARCS), length)
+                if more < 0:
+                    blame(NO_ROOM, 1.0, known)
+                    undecided += 1.0
+                waiting = max(waiting, more)
+    return waiting, ended, undecided, shortest, taken
