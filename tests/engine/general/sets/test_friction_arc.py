@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.advance import rub_many
-from hknob_cli.engine.general.body import acceleration, norm
+from hknob_cli.engine.general.body import acceleration, norm, stiffness
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.sets.friction_arc import (
@@ -250,3 +250,49 @@ def test_what_a_stop_adds_is_of_the_second_order() -> None:
         whole, half = (stop_bound(0.7, 0.5, 0.0, slope, s, 2.0 * s / 0.7, room, one.body) for s in (1e-3, 5e-4))
         assert half == pytest.approx(0.25 * whole, rel=1e-3)
     assert stop_bound(0.7, 0.0, 0.1, -1.0, 1e-3, 3e-3, room, one.body) == 0.0
+
+
+def arc_of(one: GeneralKnob, centre: list[float], line: list[float]) -> tuple[Any, Any]:
+    """A straight arc, with nothing beside its line, and the bounds of its cell."""
+    drift, room = rub_drift(one.body, one.wall), make_rub_room(zeros, list, one.body, one.wall, 0, None)
+    for j in range(one.body.order):
+        room.z[j], room.columns[j] = centre[j], line[j]
+    begin_ball(room, 0.0, one.body)
+    return room, drift
+
+
+def held_by(one: GeneralKnob, pull: float) -> float:
+    """Torque that leaves so much of a pull on a knob at 0."""
+    return pull - acceleration([0.0] * one.body.order, 0.0, one.body)
+
+
+@pytest.mark.parametrize(("part", "stand"), [(0.5, False), (1.5, True)])
+def test_states_beside_a_knob_that_stands_are_given_time_to_stop(part: float, stand: bool) -> None:
+    """They stop within the hold where friction takes their speed in it, and no pull between them and it is more."""
+    one = rubbing("finger", 5.6e-4, 10_000.0)
+    body, speed = one.body, 1e-4
+    line = [0.0, speed, 0.0, speed]  # the finger stands: it is told by its motion against the knob
+    room, drift = arc_of(one, [0.0] * 4, line)
+    apart = norm(line, body)
+    grip = stiffness(body) * apart + part * apart
+    u = held_by(one, body.friction - grip)
+    member = list(line)
+    rub_arc(room, room.z, u, 1.0, drift, body)
+    rub_many(member, u, 1.0, body, zeros(8))
+    assert (room.arc[STANDS] > 0.0, member[1] == 0.0) == (stand, stand)
+
+
+@pytest.mark.parametrize(("late", "stand"), [(0.8, True), (0.98, False)])
+def test_all_states_have_stopped_before_a_hold_is_over(late: float, stand: bool) -> None:
+    """The centre stops at ``late``; some of them stop 1/25 of a hold after it."""
+    one = rubbing("finger", 5.6e-4, 10_000.0)
+    body = one.body
+    centre, line = [0.0, late * body.friction, 0.0, 0.0], [0.0, 0.04 * body.friction, 0.0, 0.0]
+    centre[3] = centre[1]
+    line[3] = line[1]
+    room, drift = arc_of(one, centre, line)
+    u, member = held_by(one, 0.0), [p + q for p, q in zip(centre, line, strict=True)]
+    rub_arc(room, room.z, u, 1.0, drift, body)
+    rub_many(member, u, 1.0, body, zeros(8))
+    assert room.z[1] == 0.0
+    assert (room.arc[STANDS] > 0.0, member[1] == 0.0) == (stand, stand)
