@@ -129,9 +129,9 @@ FINGER = (
 
 
 def test_what_cannot_be_cut_is_sampled_and_said(hknob: Run, write: Callable[[str], Path]) -> None:
-    """With friction and a finger, 64 phases; the list is not called complete."""
-    friction = "scene.knob.coulomb_torque=1e-4"
-    done = hknob("sweep", write(PHASES), "--set", friction, "--set", FINGER, "--out", "out")
+    """With friction and hysteresis, 64 phases; the list is not called complete."""
+    friction, behind = "scene.knob.coulomb_torque=1e-4", "scene.encoder={hysteresis_counts: 0.5}"
+    done = hknob("sweep", write(PHASES), "--set", friction, "--set", behind, "--out", "out")
     assert done.returncode == 0, done.stderr
     words = " ".join(done.stdout.split())
     assert "The list is not proven to be complete." in words
@@ -205,6 +205,15 @@ def test_faults_of_ranges(hknob: Run, write: Callable[[str], Path], setting: str
 def test_every_clock_phase_with_friction(hknob: Run, write: Callable[[str], Path]) -> None:
     """Complete, as without."""
     done = hknob("sweep", write(PHASES), "--set", "scene.knob.coulomb_torque=5.6e-4", "--out", "out")
+    assert done.returncode == 0, done.stderr
+    assert "Complete: every clock phase of the start is proven to end in one of these." in done.stdout
+
+
+@pytest.mark.long
+def test_every_clock_phase_with_friction_and_a_finger(hknob: Run, write: Callable[[str], Path]) -> None:
+    """Complete, too."""
+    friction = "scene.knob.coulomb_torque=1e-4"
+    done = hknob("sweep", write(PHASES), "--set", friction, "--set", FINGER, "--out", "out")
     assert done.returncode == 0, done.stderr
     assert "Complete: every clock phase of the start is proven to end in one of these." in done.stdout
 
