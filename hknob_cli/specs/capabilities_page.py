@@ -20,7 +20,7 @@ from hknob_cli.specs.capabilities import (
     WORDS,
     reason,
 )
-from hknob_cli.specs.promise import SETS
+from hknob_cli.specs.capability_reasons import SETS
 
 TITLES = {
     "phases": "so many phases of one start",

@@ -2,19 +2,10 @@
 
 from hknob_cli.specs.over_angle import OVER_ANGLE
 
-_OF_ONE_START_OR_RANGES = ("phases", "ranges", "general_sets", "friction_sets", "law_sets", "friction_arcs")
-_SETS = (
-    "phases",
-    "ranges",
-    "anywhere",
-    "general_sets",
-    "friction_sets",
-    "law_sets",
-    "friction_arcs",
-    "general_anywhere",
-)
-_A_PERIOD_APART = ("plain", "bounces", "describing", "relay", "formulas", "bench")
 _GENERAL_SETS = ("general_sets", "friction_sets", "law_sets", "friction_arcs")
+_OF_ONE_START_OR_RANGES = ("phases", "ranges", *_GENERAL_SETS)
+SETS = (*_OF_ONE_START_OR_RANGES, "anywhere", "general_anywhere")  # engines of sets of starts
+_A_PERIOD_APART = ("plain", "bounces", "describing", "relay", "formulas", "bench")
 _NOT_IN_A_MAP = {
     "a map tells starts by angle and velocity alone": ("finger", "coil", "mesh", "play"),
     "what is under way, or was read before, is not told by a map's starts": (
@@ -44,7 +35,7 @@ WHY = {
     ("unsampled", "bounces"): "energy does not grow",
     ("unsampled", "laws"): "it acts at samples",
     **{("jitter", column): "its samples are a period apart" for column in _A_PERIOD_APART},
-    **{("jitter", column): "the next sample comes at another time in each motion" for column in _SETS},
+    **{("jitter", column): "the next sample comes at another time in each motion" for column in SETS},
     ("jitter", "unsampled"): "there is no clock",
     ("jitter", "basins"): "where a start ends depends on the intervals that are drawn",
     ("jitter", "perceive"): "no motion repeats",

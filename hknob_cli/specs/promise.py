@@ -13,20 +13,11 @@ from hknob_cli.specs.capabilities import (
     parts_of,
     verdict_of,
 )
+from hknob_cli.specs.capability_reasons import SETS
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import Scene, Starts, SweepPlan, scene_at
 
 OF_CONTROLLERS = {"controller", "speed_sensor", "estimated_speed", "kalman"}
-SETS = (
-    "phases",
-    "ranges",
-    "anywhere",
-    "general_sets",
-    "friction_sets",
-    "law_sets",
-    "friction_arcs",
-    "general_anywhere",
-)  # engines of sets of starts
 
 
 def not_proven(plan: SweepPlan) -> list[str]:

@@ -23,13 +23,14 @@ from hknob_cli.specs.capabilities import (
     verdict_of,
 )
 from hknob_cli.specs.capabilities_page import page
+from hknob_cli.specs.capability_reasons import SETS
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.controller import BY_COUNTS, Controller
 from hknob_cli.specs.controller import KINDS as CONTROLLERS
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.plan import Plan, SweepPlan, scene_at
-from hknob_cli.specs.promise import SETS, not_proven
+from hknob_cli.specs.promise import not_proven
 from hknob_cli.specs.source import Source
 from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import ROOT

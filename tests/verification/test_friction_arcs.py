@@ -11,8 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from hknob_cli.controllers.scalar_law import make_law
-from hknob_cli.engine.attractors import Attractor, Search
-from hknob_cli.engine.general.interval import advance
+from hknob_cli.engine.attractors import Search
 from hknob_cli.engine.general.laws.search import LawEngine
 from hknob_cli.engine.general.sets.friction_arc_search import FrictionArcEngine
 from hknob_cli.engine.jit import compiled
@@ -22,12 +21,11 @@ from hknob_cli.specs.electrical import reduced
 from hknob_cli.specs.scene import SceneSpec
 from tests.controllers.laws import EVERY
 from tests.controllers.reference import Rig, law_of
-from tests.engine.general.law_runs import states_with_law
 
 from .general_scenes import HEAVY, RINGING, STIFF, TWO_PARTS, scene
 from .over_angle_reference import torques
 from .rubbing_starts import Rubbing
-from .test_law_states import COIL, PUSH, rates
+from .test_law_states import COIL, PUSH, orbit_states, rates
 
 ANGLE = 0.02
 PHASES = 48
@@ -115,18 +113,7 @@ def follow(parts: dict[str, Any], rate: float, counts: int) -> tuple[Search | No
         arcs = FrictionArcEngine(None, functions)
         given = {"rate": knob.rate, "delay_line": knob.delay_line}
     found = arcs.search_phases(knob.body, knob.wall, knob.start(ANGLE, 0.0), max_samples=None, **given)
-
-    def orbit(one: Attractor) -> NDArray[np.float64]:
-        z, line, before, head, states = [one.x, one.v, *one.state], list(one.line), one.before, 0, []
-        if law is not None:
-            return states_with_law(knob, law, z, line, one.period)
-        for _ in range(one.period):
-            states.append(list(z))
-            pad = [0.0] * (2 * knob.body.order)
-            before, head = advance(z, before, line, head, knob.body, knob.wall, pad)
-        return np.array(states)
-
-    return found, knob, orbit
+    return found, knob, lambda one: orbit_states(knob, law, one)
 
 
 @pytest.mark.long

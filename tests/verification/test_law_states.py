@@ -131,6 +131,17 @@ def settle(
 Orbit = Callable[[Attractor], NDArray[np.float64]]
 
 
+def orbit_states(knob: Any, law: Any, one: Attractor) -> NDArray[np.float64]:
+    """States of an orbit at its samples, (period, order); ``law``: of a controller, None without one."""
+    z, line, before, head, states = [one.x, one.v, *one.state], list(one.line), one.before, 0, []
+    if law is not None:
+        return states_with_law(knob, law, z, line, one.period)
+    for _ in range(one.period):
+        states.append(list(z))
+        before, head = advance(z, before, line, head, knob.body, knob.wall, [0.0] * (2 * knob.body.order))
+    return np.array(states)
+
+
 def follow_box(
     parts: dict[str, Any], rate: float, counts: int, seconds: float | None
 ) -> tuple[Search | None, Any, Orbit]:
@@ -139,6 +150,7 @@ def follow_box(
     cell: dict[str, Any] = {"sample_rate_hz": rate, "counts_per_rev": counts}
     given: dict[str, Any] = {"max_samples": None, "seconds": seconds}
     sets: GeneralSetEngine
+    law: Any = None
     if "controller" in parts:
         made = make_law(plain, **cell)
         engine, knob, law = LawEngine(made.law, functions), made.knob, LawEngine(made.law).law
@@ -151,18 +163,7 @@ def follow_box(
     box = Box(knob.position(-ANGLE), knob.position(ANGLE), knob.speed(-VELOCITY), knob.speed(VELOCITY))
     found = sets.search_box(knob.body, knob.wall, box, **given)
     assert found is not None or not known
-
-    def orbit(one: Attractor) -> NDArray[np.float64]:
-        z, line, before, head, states = [one.x, one.v, *one.state], list(one.line), one.before, 0, []
-        if "controller" in parts:
-            return states_with_law(knob, law, z, line, one.period)
-        for _ in range(one.period):
-            states.append(list(z))
-            pad = [0.0] * (2 * knob.body.order)
-            before, head = advance(z, before, line, head, knob.body, knob.wall, pad)
-        return np.array(states)
-
-    return found, knob, orbit
+    return found, knob, lambda one: orbit_states(knob, law, one)
 
 
 def every_start(

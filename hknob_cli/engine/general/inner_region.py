@@ -60,6 +60,18 @@ def hold_zone(u, shown, body, wall):
     return stiffness, (pull - body.friction + slack) / stiffness, (pull + body.friction - slack) / stiffness
 
 
+def rest_at(x, u, stiffness, out, body):
+    """Leave in ``out`` a body at rest at ``x`` under the torque ``u``; ``stiffness``: as `hold_zone` has it."""
+    n = body.order
+    for i in range(n):
+        out[i] = 0.0
+    out[0] = x
+    if body.ratio > 0.0:
+        out[2] = stiffness * (x + body.shift) / body.pad_stiffness
+    if body.lag > 0.0:
+        out[n - 1] = u
+
+
 def gives_nothing(shown, delay, body, wall):
     """Whether a command that follows the knob never adds energy, its spring included: a linear piece, and damping."""
     if body.order > 2 or delay > 0 or wall.damping > 0.0 or bends(wall) > 0.0:
@@ -83,13 +95,7 @@ def keeps_reading(z, shown, u, body, wall, delay, orbit, away):
     if low > high:
         return False, 0.0
     rest = min(max(z[0], low), high)
-    for i in range(n):
-        orbit[i] = 0.0
-    orbit[0] = rest
-    if body.ratio > 0.0:
-        orbit[2] = stiffness * (rest + body.shift) / body.pad_stiffness
-    if body.lag > 0.0:
-        orbit[n - 1] = u
+    rest_at(rest, u, stiffness, orbit, body)
     for i in range(n):
         away[i] = z[i] - orbit[i]
     reach = sqrt(away[0] * away[0] + away[1] * away[1] / stiffness) if linear else distance(away, body)

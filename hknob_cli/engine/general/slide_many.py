@@ -73,6 +73,20 @@ def held_bound(rate, body):
     return bound
 
 
+def outlook(z, u, mode, body, pad):
+    """What keeps a mode going, and how it changes: ``(value, slope, fall, bound)``; ``pad`` is left with the rates.
+
+    ``value``: speed, or what friction can hold beside the torque; ``fall``: its slope, at worst; ``bound``: on the rate
+    of that.
+    """
+    rate_of(z, u, mode, body, pad)
+    if mode == 0:
+        slope = held_slope(pad, body)
+        return body.friction - abs(acceleration(z, u, body)), slope, -abs(slope), held_bound(pad, body)
+    slope = pad[1] * mode
+    return z[1] * mode, slope, min(slope, 0.0), sliding_bound(pad, 0, body)
+
+
 def crossed(pad, u, mode, body):
     """Whether the state in the second half of ``pad`` is past the end of ``mode``: turned round, or no longer held."""
     n = body.order
@@ -140,17 +154,7 @@ def slide_many(z, u, mode, left, body, pad):
         while h > left:
             half += 1
             h *= 0.5
-        rate_of(z, u, mode, body, pad)
-        if mode == 0:
-            value = body.friction - abs(acceleration(z, u, body))
-            slope = held_slope(pad, body)
-            bound = held_bound(pad, body)
-            fall = -abs(slope)
-        else:
-            value = z[1] * mode
-            slope = pad[1] * mode
-            bound = sliding_bound(pad, 0, body)
-            fall = min(slope, 0.0)
+        value, slope, fall, bound = outlook(z, u, mode, body, pad)
         starting = mode != 0 and value == 0.0
         if starting and slope <= NIL * body.friction:
             taken = creep(z, mode, left, body, pad)

@@ -11,7 +11,7 @@ from hknob_cli.engine.general.cog_rest import keeps_to_slope, settles_free
 from hknob_cli.engine.general.cogging import cog_pull, has_cogs
 from hknob_cli.engine.general.controller import edge_gap, table_size
 from hknob_cli.engine.general.flank_rest import flank_room
-from hknob_cli.engine.general.inner_region import ROUNDINGS, hold_zone
+from hknob_cli.engine.general.inner_region import ROUNDINGS, hold_zone, rest_at
 from hknob_cli.engine.general.laws.cascade import faded, pushed_apart, same_count, settle_faded, torques_apart
 from hknob_cli.engine.general.laws.step import decide
 from hknob_cli.engine.general.standstill import SETTLING, rest_rounding, stays_held
@@ -124,13 +124,7 @@ def settles_with_law(z, shown, past, body, wall, law, orbit, away):
     if low > high:
         return MOVING
     rest = min(max(z[0], low), high)
-    for i in range(n):
-        away[i] = 0.0
-    away[0] = rest
-    if body.ratio > 0.0:
-        away[2] = stiffness * (rest + body.shift) / body.pad_stiffness
-    if body.lag > 0.0:
-        away[n - 1] = u
+    rest_at(rest, u, stiffness, away, body)
     torque = body.pad_stiffness * away[2] if body.play > 0.0 else 0.0
     for i in range(n):
         away[i] = z[i] - away[i]

@@ -27,7 +27,15 @@ from hknob_cli.engine.general.body import (
     stiffness,
 )
 from hknob_cli.engine.general.columns import spread_many, turn_round
-from hknob_cli.engine.general.slide_many import held_bound, held_slope, slide_many, sliding_bound, stretch
+from hknob_cli.engine.general.slide_many import (
+    accept,
+    held_bound,
+    held_slope,
+    outlook,
+    slide_many,
+    sliding_bound,
+    stretch,
+)
 from hknob_cli.engine.general.slide_two import way
 
 # Numbers of an arc: its phases, and those of them that it counts, for arcs overlap; bound on the roundings of its
@@ -78,19 +86,14 @@ def stays_over(z, u, mode, span, need, body, pad):
 
     By halving, as `slide_many`; ``z`` is moved along.
     """
-    n, half, left = body.order, 0, floor(span * WHOLE) / WHOLE
+    half, left = 0, floor(span * WHOLE) / WHOLE
     table = HALVES_HELD if mode == 0 else HALVES
     while left > 0.0:
         h = 0.5**half
         while h > left:
             half += 1
             h *= 0.5
-        rate_of(z, u, mode, body, pad)
-        if mode == 0:
-            value, fall = body.friction - abs(acceleration(z, u, body)), -abs(held_slope(pad, body))
-            bound = held_bound(pad, body)
-        else:
-            value, fall, bound = z[1] * mode, min(pad[1] * mode, 0.0), sliding_bound(pad, 0, body)
+        value, _, fall, bound = outlook(z, u, mode, body, pad)
         value -= need
         deepest = max(half, FINEST)
         while not value + fall * h - 0.5 * bound * h * h > 0.0:
@@ -99,8 +102,7 @@ def stays_over(z, u, mode, span, need, body, pad):
             if not value > 0.0 or half > deepest:
                 return False
         stretch(z, pad, table + half, body)
-        for j in range(n):
-            z[j] = pad[n + j]
+        accept(z, pad, body.order)
         left -= h
         if half > 0:
             half -= 1
@@ -120,11 +122,6 @@ def all_slide(room, z, u, mode, span, ball, body):
         if not stays_over(room.begun, u, mode, span, ball, body, room.pad):
             return False
     return True
-
-
-def late_rate(rate, body):
-    """Rate of the rate of the velocity by a torque that lags, at most."""
-    return abs(rate[body.order - 1]) if body.lag > 0.0 else 0.0
 
 
 def stop_bound(rate, jump, bend, slope, apart, window, room, body):
@@ -157,7 +154,7 @@ def stop_alike(room, z, u, span, before, mode, apart, body):
     ball = ball_of(room, body) + room.arc[ERROR]
     window = 2.0 * (abs(room.columns[1]) + ball) / abs(rate)
     rate_of(z, u, mode, body, pad)
-    bend = (2.0 * norm(pad, body) + room.fast[1] * apart) * own + late_rate(pad, body)
+    bend = 2.0 * sliding_bound(pad, 0, body) + own * room.fast[1] * apart
     alike = 2.0 * window < min(before, left) and 2.0 * room.fast[1] * window <= 0.5
     alike = alike and 2.0 * (own * apart + 2.0 * bend * window) <= abs(rate)
     alike = alike and all_slide(room, room.first, u, mode, before - 2.0 * window, ball, body)
@@ -168,7 +165,7 @@ def stop_alike(room, z, u, span, before, mode, apart, body):
         slope = abs(held_slope(pad, body)) + held_bound(pad, body) * window
         need = own * apart + (bend + slope) * window
     else:
-        later = (norm(pad, body) + room.fast[1] * apart) * own + late_rate(pad, body)
+        later = sliding_bound(pad, 0, body) + own * room.fast[1] * apart
         bend = max(bend, later)
         alike = alike and 2.0 * (own * apart + 2.0 * later * window) <= abs(after)
     more = stop_bound(abs(rate), abs(after - rate), bend, slope, apart, window, room, body)
@@ -203,8 +200,7 @@ def rub_arc(room, z, u, span, drift, body):
     apart, pull = wide + arc[ERROR], acceleration(z, u, body)
     mode = way(begin, pull, body.friction)
     rate_of(z, u, mode, body, pad)
-    fast = norm(pad, body)
-    steep = (fast + room.fast[1] * apart) * own + late_rate(pad, body)
+    fast, steep = norm(pad, body), sliding_bound(pad, 0, body) + own * room.fast[1] * apart
     wrong, skewed = drift.once[0] + drift.once[1] * abs(u), 0.0
     for j in range(n):
         wrong += drift.once[2 + j] * (abs(z[j]) + room.spans[j] * fast)

@@ -67,11 +67,11 @@ def part_arc(room, waiting, which, high, drift, body, watch):
     How many arcs wait then, -1: no room. The arc in ``room`` is at that reading; its parts are of that at the sample.
     """
     x, width, slack = room.z[0], room.columns[0], beside_of(room, body)
-    level = room.told[which]
+    level, begun = room.told[which], waiting
     room.own[TOLD] = which + 1.0
     while level <= high:
         bottom, top = lowest(level, drift.bottom, watch) - x, highest(level, watch) - x
-        first, last, low, up = -1.0, 1.0, -1.0, 1.0
+        first, last, low, up = -1.0, 1.0, -1.0 if waiting == begun else 1.0, 1.0  # a ball counts once
         if width != 0.0:
             a, b = (bottom, top) if width > 0.0 else (top, bottom)
             more = slack if width > 0.0 else -slack

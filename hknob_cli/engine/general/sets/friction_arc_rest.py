@@ -4,7 +4,7 @@ from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.follow import REST_PROVEN
 from hknob_cli.engine.general.body import distance, stiffness
 from hknob_cli.engine.general.controller import lower_edge, read, upper_edge
-from hknob_cli.engine.general.inner_region import ROUNDINGS, hold_zone
+from hknob_cli.engine.general.inner_region import ROUNDINGS, hold_zone, rest_at
 from hknob_cli.engine.general.sets.friction_arc import BEFORE, STANDS
 from hknob_cli.engine.general.sets.known import FULL, add_end, resting
 from hknob_cli.engine.general.sets.memory import copy_settled, settle_memory, watched
@@ -12,18 +12,6 @@ from hknob_cli.engine.general.sets.readings import highest, lowest
 from hknob_cli.engine.general.standstill import stays_held
 
 UNKNOWN, SEVERAL = -1, -3  # instead of the row of a rest
-
-
-def rest_at(x, u, spring, out, body):
-    """Leave in ``out`` a body at rest at ``x`` under the torque ``u``; ``spring``: as `hold_zone` has it."""
-    n = body.order
-    for j in range(n):
-        out[j] = 0.0
-    out[0] = x
-    if body.ratio > 0.0:
-        out[2] = spring * (x + body.shift) / body.pad_stiffness
-    if body.lag > 0.0:
-        out[n - 1] = u
 
 
 def rest_of_arc(room, reach, level, narrow, drift, known, body, wall):

@@ -22,22 +22,22 @@ from hknob_cli.engine.general.body import (
 )
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.laws.law import Law
-from hknob_cli.engine.general.search import as_arrays, as_list, make_space
+from hknob_cli.engine.general.search import as_list
 from hknob_cli.engine.general.sets import friction_arcs
 from hknob_cli.engine.general.sets.drift import MARGIN, Drift, halves, largest_entries, off
-from hknob_cli.engine.general.sets.ends import Known, make_known
+from hknob_cli.engine.general.sets.ends import Known
 from hknob_cli.engine.general.sets.friction_arc import STATE
 from hknob_cli.engine.general.sets.friction_arc_parts import ARCS, INTERVAL
 from hknob_cli.engine.general.sets.friction_room import holds_of
 from hknob_cli.engine.general.sets.friction_search import FrictionSetEngine
 from hknob_cli.engine.general.sets.readings import deepest_level
 from hknob_cli.engine.general.sets.scope import Scope
+from hknob_cli.engine.general.slide_many import NIL
 from hknob_cli.engine.outcome import Reason
 
 LONGEST = 1_000_000  # samples that all clock phases of one start may take: some seconds
 INTERVALS = 4096  # of phases that wait
 ROUNDED = 1e-6  # relative, of what is told of norms
-NIL = 1e-13  # of the friction level, `slide_many.NIL`: what is taken for no acceleration
 
 
 class RubRoom(NamedTuple):
@@ -73,7 +73,7 @@ class RubRoom(NamedTuple):
 
 
 def can_rub_arcs(body: Body, wall: Controller, law: Law | None = None) -> bool:
-    """Whether balls of states can be followed: the energy of differences never grows, and bounds their position.
+    """Whether arcs of states can be followed: the energy of differences never grows, and bounds their position.
 
     The scene has more than angle and speed, reads counts, and a law is proven and feels no speed.
     """
@@ -235,13 +235,9 @@ class FrictionArcEngine(FrictionSetEngine):
         """Numbers of an interval of phases that waits, and how many may."""
         return INTERVAL, INTERVALS
 
-    def ready(self, body: Body, wall: Controller, delay_line: int) -> tuple[Body, Drift, Known]:
-        """Body, bounds and empty tables as the functions of this engine want them."""
-        drift, n = rub_drift(body, wall, self.law), body.order
-        known = make_known(self._zeros, n, delay_line, make_space(n, delay_line, self._zeros), self.law)
-        if self.compiled:
-            return as_arrays(body), Drift._make(np.array(v) if isinstance(v, list) else v for v in drift), known
-        return body, drift, known
+    def drift(self, body: Body, wall: Controller) -> Drift:
+        """As that of `GeneralSetEngine`, of one step of a slide."""
+        return rub_drift(body, wall, self.law)
 
     def phase_follower(
         self, body: Body, wall: Controller, start: list[float], delay_line: int, scope: Scope

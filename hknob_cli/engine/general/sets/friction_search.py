@@ -10,10 +10,10 @@ from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.attractors import Search, StoppedError, ranked, time_allowed, whole
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller
-from hknob_cli.engine.general.search import as_arrays, as_list, make_space
+from hknob_cli.engine.general.search import as_list
 from hknob_cli.engine.general.sets import friction_box, friction_phases
 from hknob_cli.engine.general.sets.drift import Drift
-from hknob_cli.engine.general.sets.ends import Known, ends_of, make_known, why_not
+from hknob_cli.engine.general.sets.ends import Known, ends_of, why_not
 from hknob_cli.engine.general.sets.friction_phases import FIRST, HALVINGS
 from hknob_cli.engine.general.sets.friction_room import can_rub, friction_drift, make_friction_room, plane_of
 from hknob_cli.engine.general.sets.scope import Scope, make_scope
@@ -46,14 +46,9 @@ class FrictionSetEngine(GeneralSetEngine):
         follow = self._function(friction_box, "follow_friction")
         return lambda room, *rest: follow(room, work, *rest)
 
-    def ready(self, body: Body, wall: Controller, delay_line: int) -> tuple[Body, Drift, Known]:
-        """Body, bounds and empty tables as the functions of this engine want them."""
-        drift = friction_drift(body, wall, self.law)
-        n = body.order
-        known = make_known(self._zeros, n, delay_line, make_space(n, delay_line, self._zeros), self.law)
-        if self.compiled:
-            return as_arrays(body), Drift._make(np.array(v) if isinstance(v, list) else v for v in drift), known
-        return body, drift, known
+    def drift(self, body: Body, wall: Controller) -> Drift:
+        """As that of `GeneralSetEngine`."""
+        return friction_drift(body, wall, self.law)
 
     def intervals(self) -> tuple[int, int]:
         """Numbers of an interval of phases that waits, and how many may, as each is halved before the next."""

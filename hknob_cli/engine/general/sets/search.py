@@ -107,10 +107,13 @@ class GeneralSetEngine:
             self._rooms = {key: make_piece_room(self._zeros, *key, lattice=cells)}
         return self._rooms[key]
 
+    def drift(self, body: Body, wall: Controller) -> Drift:
+        """Bounds on roundings, in lists."""
+        return make_drift(body, wall, self.law)
+
     def ready(self, body: Body, wall: Controller, delay_line: int) -> tuple[Body, Drift, Known]:
         """Body, bounds and empty tables as the functions of this engine want them."""
-        n = body.order
-        drift = make_drift(body, wall, self.law)
+        n, drift = body.order, self.drift(body, wall)
         known = make_known(self._zeros, n, delay_line, make_space(n, delay_line, self._zeros), self.law)
         known = with_turns(known, n, wall, self.law, self._zeros)
         if self.compiled:

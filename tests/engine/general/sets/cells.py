@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from hknob_cli.engine.general.search import make_space
 from hknob_cli.engine.general.sets.drift import Drift, make_drift
 from hknob_cli.engine.general.sets.ends import Known, make_known
+from hknob_cli.engine.general.sets.search import GeneralSetEngine
 from hknob_cli.scene.general_knob import GeneralKnob
 from tests.engine.general.bodies import knob
 
@@ -86,3 +87,15 @@ def nothing_known(cell: GeneralKnob) -> Known:
 
 kinds = st.sampled_from(sorted(KINDS))
 rates = st.sampled_from([100.0, 464.2, 2154.0, 10_000.0])
+
+
+def all_phases(engine: GeneralSetEngine, cell: GeneralKnob, **limits: Any) -> Any:
+    """What all clock phases of the start at 20 mrad, at rest, settle to."""
+    return engine.search_phases(
+        cell.body,
+        cell.wall,
+        cell.start(0.02, 0.0),
+        rate=cell.rate,
+        delay_line=cell.delay_line,
+        **{"max_samples": None, **limits},
+    )

@@ -18,20 +18,15 @@ from hknob_cli.scene.general_knob import GeneralKnob
 from tests.engine.general.bodies import knob
 from tests.engine.sets.test_polygon import states_of
 
+from .cells import all_phases
+
 MEASURED = {"inertia": 1.9e-6, "coulomb_torque": 5.6e-4}
 HALF = {"half_quantum": True}
 
 
 def search_phases(one: GeneralKnob, **limits: Any) -> Any:
-    """All clock phases of the start at 20 mrad."""
-    return FrictionSetEngine().search_phases(
-        one.body,
-        one.wall,
-        one.start(0.02, 0.0),
-        rate=one.rate,
-        delay_line=one.delay_line,
-        **{"max_samples": None, **limits},
-    )
+    """All clock phases of one start."""
+    return all_phases(FrictionSetEngine(), one, **limits)
 
 
 def end_of(one: GeneralKnob, phase: float) -> list[float]:
