@@ -33,6 +33,12 @@ def deciding() -> Any:
             fields = getattr(whole, "fields", ()) if isinstance(whole, BaseNamedTuple) else ()
             if value.attr in fields:
                 return whole.types[fields.index(value.attr)]
+        if isinstance(value, Expr) and value.op == "static_getitem":  # of several names that are assigned at once
+            listed = guard(get_definition, ir, value.value)
+            if isinstance(listed, Expr) and listed.op == "exhaust_iter":
+                listed = guard(get_definition, ir, listed.value)
+            if isinstance(listed, Expr) and listed.op == "build_tuple":
+                return kind_of(ir, listed.items[value.index], args)
         return None
 
     def answer(ir: Any, asked: Any, args: Any) -> bool | None:

@@ -64,6 +64,12 @@ def by_a_name_for_it(scene, x):
     return 2.0 * found
 
 
+def by_one_of_several_names(scene, x):
+    size, other, law, again = scene.part.size, scene.part.size, scene.law, x
+    found = without(x) if law is None else beside(again)
+    return size * found + other
+
+
 def compiled_with_its_parts(function: Any) -> tuple[Any, dict[str, Any]]:
     """A function as an entry, and the parts that it calls."""
     load_numba()
@@ -73,7 +79,9 @@ def compiled_with_its_parts(function: Any) -> tuple[Any, dict[str, Any]]:
 
 
 @pytest.mark.parametrize("there", [None, 0.0, np.zeros(0), np.ones(3)])
-@pytest.mark.parametrize("function", [by_argument, by_field, by_field_of_a_field, by_a_name_for_it])
+@pytest.mark.parametrize(
+    "function", [by_argument, by_field, by_field_of_a_field, by_a_name_for_it, by_one_of_several_names]
+)
 def test_only_one_side_is_compiled(function: Any, there: Any) -> None:
     """And its answer is Python's; 0 and an empty array are there, as `is None` has it."""
     entry, parts = compiled_with_its_parts(function)
