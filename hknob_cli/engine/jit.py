@@ -86,14 +86,14 @@ ARC_CELLS = (
 )
 GENERAL_SETS = (
     *LAWS,
-    *(f"general.sets.{name}" for name in ("readings", "memory", "turns", "swings", "known", "ball", "piece", "parts")),
-    *(f"general.sets.{name}" for name in ("lattice", "box")),
+    *(f"general.sets.{name}" for name in ("cell", "readings", "memory", "turns", "swings", "known", "ball", "piece")),
+    *(f"general.sets.{name}" for name in ("parts", "lattice", "box")),
     *(f"general.sets.{name}" for name in ("curve", "arc_parts", "arc")),
     *(f"sets.{name}" for name in ("polygon", "region")),
 )
 FRICTION_ARCS = (
     *LAWS,
-    *(f"general.sets.{name}" for name in ("readings", "memory", "turns", "known", "ball")),
+    *(f"general.sets.{name}" for name in ("cell", "readings", "memory", "turns", "known", "ball")),
     *(f"general.sets.friction_arc{end}" for end in ("", "_rest", "_parts", "s")),
 )
 FRICTION_SETS = (

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from hknob_cli.engine.general.controller import Controller
+from hknob_cli.engine.general.sets.cell import Cell, Centre
 from hknob_cli.engine.general.sets.drift import Drift
 from hknob_cli.engine.general.sets.friction_piece import MOST, SET
 from hknob_cli.engine.general.sets.friction_step import SLID
@@ -43,14 +44,24 @@ def law_of(looks: int, watch: Controller | None = None) -> Any:
 
 def work_of(sets: int = 32, delay: int = 0, looks: int = 0, course: list[float] | None = None, **more: Any) -> Any:
     """Room for so many sets within an interval."""
-    law = law_of(looks) if looks else None
     work = SimpleNamespace(
         course=course or [], least=[0.0], sets=zeros((SET + looks) * sets), seen=zeros(looks),
         corners=zeros(8 * MOST + 4), one=zeros(2 * MOST), other=zeros(2 * MOST), space=zeros(8 * MOST + 12),
-        line=zeros(3), acts=zeros(3), lags=None, z=zeros(2), ring=zeros(delay), torques=zeros(max(2, delay)), law=law,
+        line=zeros(3), acts=zeros(3), lags=None, z=zeros(2), ring=zeros(delay), torques=zeros(max(2, delay)),
     )  # fmt: skip
     work.__dict__.update(more)
     return work
+
+
+def cell_of(body: Any, drift: Drift, wall: Any, law: Any = None, **known: Any) -> Cell:
+    """A cell of these, of whose ends nothing is told but what is ``known``."""
+    return Cell(drift, SimpleNamespace(law=law, turns=None, **known), body, wall)
+
+
+def centre_of(z: Any, ring: Any = (), before: float = 0.0, **more: Any) -> Centre:
+    """A state that a set is told from."""
+    given = {"head": 0, "error": 0.0, "level": 0.0, "sample": 0.0, "weight": 1.0, **more}
+    return Centre(z=z, before=before, ring=ring, **given)
 
 
 def room_of(pieces: int = 32, delay: int = 0) -> Any:

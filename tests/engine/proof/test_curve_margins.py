@@ -6,7 +6,7 @@ import pytest
 from hknob_cli.engine.general.body import norm
 from hknob_cli.engine.general.sets.curve import drift_over, measure_arc, move_centre, place_on, rate_at
 from hknob_cli.engine.general.sets.room import make_arc_room
-from tests.engine.general.sets.cells import bounds, cell, zeros
+from tests.engine.general.sets.cells import bounds, cell, centre, zeros
 from tests.engine.sets.loops import expm
 
 BLUR = 0.25
@@ -43,7 +43,7 @@ def test_an_arc_is_as_long_as_its_rate_and_as_far_from_its_chord_as_half_its_tur
         rate_at(low, room, body, out)
         np.testing.assert_allclose(out, there, rtol=1e-9, atol=1e-12)
         for come, to in ((low, high), (high, low), (low, low)):
-            move_centre(start, come, to, sample, room, drift, body, out)
+            move_centre(centre(start, [], sample=float(sample)), come, to, room, drift, body, out)
             way = moved @ flow(a, min(come, to))[0] @ flow(a, abs(to - come))[1] @ rate
             np.testing.assert_allclose(out, start + np.sign(to - come) * way, rtol=1e-8, atol=1e-12)
     for t in (0.0, 0.5, 0.8125, 1.0, 0.1):

@@ -14,6 +14,7 @@ from hknob_cli.engine.follow import CYCLE_PROVEN, GREW, REST_PROVEN, UNSETTLED
 from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.sets import friction_box
 from hknob_cli.engine.general.sets.box import ENDED, KEPT, PARTED, UNPROVEN
+from hknob_cli.engine.general.sets.cell import Cell, Centre
 from hknob_cli.engine.general.sets.friction_box import OFTEN, follow_friction, follow_piece
 from hknob_cli.engine.general.sets.friction_rest import UNKNOWN
 from hknob_cli.engine.general.sets.known import FULL, NO_ROOM
@@ -29,6 +30,7 @@ from hknob_cli.engine.general.sets.piece import (
     piece_size,
 )
 from hknob_cli.engine.general.sets.room import make_piece_room
+from hknob_cli.engine.general.sets.scope import Scope
 
 from .friction_work import body_of, drift_of, wall_of, zeros
 
@@ -88,18 +90,17 @@ class Followed:
         self.room: Any = make_piece_room(zeros, self.order, self.delay, lattice=8, deep=8)
         self.room = self.room._replace(stack=zeros(size * 8))
         self.put()
-        return follow_piece(  # type: ignore[no-any-return, no-untyped-call]
-            self.room, "work", AT + 1, self.delay, numbers["width"], numbers["patience"], numbers["budget"],
-            numbers["limit"], numbers["drift"], self.known, self.body, numbers["wall"],
-        )  # fmt: skip
+        scope = Scope(numbers["budget"], 0, numbers["patience"], numbers["limit"], fine=True)
+        cell = Cell(numbers["drift"], self.known, self.body, numbers["wall"])
+        given_to = self.room, "work", AT + 1, numbers["width"], scope, cell
+        return follow_piece(*given_to)  # type: ignore[no-any-return, no-untyped-call]
 
     def put(self) -> None:
         size = piece_size(self.order, self.delay)
         self.room.stack[AT * size : (AT + 1) * size] = self.pieces.pop(0)
 
     def _answer(self, name: str, given: tuple[Any, ...]) -> Any:
-        told = tuple(list(one) if isinstance(one, list) else one for one in given)
-        self.asked.append((name, told))
+        self.asked.append((name, tuple(self._as_it_is(one) for one in given)))
         if name == "move_piece" and self.pieces:
             self.put()
             return AT + 1
@@ -107,6 +108,14 @@ class Followed:
         if name == "resting_piece":
             return self.rest(given) if callable(self.rest) else self.rest
         return self.found if name == "seek" else answer[name]
+
+    def _as_it_is(self, one: Any) -> Any:
+        """What is told, before it changes; of the room its corners."""
+        if isinstance(one, Centre):
+            return one._replace(z=list(one.z), ring=list(one.ring))
+        if one is self.room:
+            return list(self.room.corners)
+        return list(one) if isinstance(one, list) else one
 
     def names(self) -> list[str]:
         return [name for name, _ in self.asked]
@@ -132,11 +141,11 @@ def test_a_piece_is_moved_as_it_is_until_it_is_no_longer_one(
         (second, [-2.5, 0.5], -8.0, 0.0625, -3.0, 17.0, 0.25, WIDE),
     ):
         assert told[1:3] == ("work", AT)
-        assert told[3:11] == (z, before, list(ring), 0, error, level, sample, weight)
-        assert told[11][: len(corners)] == corners
-        assert told[12] == len(corners) // 2
+        assert told[3] == (z, before, list(ring), 0, error, level, sample, weight)
+        assert told[0][: len(corners)] == corners
+        assert told[4] == len(corners) // 2
     assert one.names() == ["resting_piece", "move_piece"] * 2
-    assert one.of("resting_piece")[0][:3] == ([-1.5, 0.25], -9.0, list(ring))
+    assert one.of("resting_piece")[0][0][:3] == ([-1.5, 0.25], -9.0, list(ring))
     assert not any(one.known.why)
 
 
@@ -173,8 +182,8 @@ def levels(one: Followed, patch: pytest.MonkeyPatch, **given: Any) -> tuple[floa
     if one.names() == ["part_piece"]:
         told = one.of("part_piece")[0]
         assert found == (AT + 3, PARTED, -1, 1)
-        return told[12], told[13]
-    return float(one.of("move_piece")[0][8])
+        return told[4], told[5]
+    return float(one.of("move_piece")[0][3].level)
 
 
 @pytest.mark.parametrize("by", range(2))
@@ -206,8 +215,8 @@ def test_what_it_is_cut_from_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
         assert one(monkeypatch) == (AT + 3, PARTED, -1, 1)
         told = one.of("part_piece")[0]
         reach = 2.0**-5 + 8.0 * EPSILON * 1.75
-        assert told[1:10] == (AT, [-1.75, 0.25], -9.0, list(ring), 0, 2.0**-6, reach, 16.0, 0.5)
-        assert (told[10][:4], told[11:14]) == (SLIM, (2, -3.0, -2.0))
+        assert told[1:3] == (AT, ([-1.75, 0.25], -9.0, list(ring), 0, 2.0**-6, -1.0, 16.0, 0.5))
+        assert (told[0][:4], told[3:7]) == (SLIM, (2, -3.0, -2.0, reach))
         one = Followed(piece(-1.75, ring=ring), delay=len(ring))
         one.part = -1
         assert one(monkeypatch) == (AT, UNPROVEN, -1, 1)
@@ -222,7 +231,7 @@ def test_a_part_is_settled_and_acts_as_it_was_cut(monkeypatch: pytest.MonkeyPatc
     for x in (-1.75, -1.25):
         one = Followed(piece(x, sample=16.5, level=-2.0))
         assert levels(one, monkeypatch) == -2.0
-        assert one.of("move_piece")[0][9] == 16.0
+        assert one.of("move_piece")[0][3].sample == 16.0
     one = Followed(piece(-1.75, sample=16.0, level=-2.0))
     assert levels(one, monkeypatch) == (-3.0, -2.0)
 
@@ -282,15 +291,15 @@ def test_its_error_is_with_all_that_torques_still_add(lag: float, monkeypatch: p
             one.body.lag = lag
             one(monkeypatch)
             told = one.of("resting_piece")[0]
-            assert told[:5] == ([-1.5, 0.25, *late], -9.0, list(ring), ahead, 0.125)
-            assert (told[5], told[6][:4], told[7]) == (-2.0, SLIM, 2)
+            assert (told[0][:3], told[1:3]) == (([-1.5, 0.25, *late], -9.0, list(ring)), (ahead, 0.125))
+            assert (told[0].level, told[3][:4], told[4]) == (-2.0, SLIM, 2)
             one = Followed(piece(error=0.0625, spread=0.25, late=late, ring=ring, level=-1.0), delay=len(ring),
                            order=2 + len(late))  # fmt: skip
             one.body.lag = lag
             one(monkeypatch)
             told = one.of("captor")[0]
             assert told[:5] == ([-1.5, 0.25, *late], -9.0, list(ring), 0, 0.125 + ahead)
-            assert one.of("move_piece")[0][7] == 0.0625
+            assert one.of("move_piece")[0][3].error == 0.0625
 
 
 # Merged with others.
@@ -319,8 +328,8 @@ def test_a_small_piece_is_kept_where_the_wall_steps_deeper(monkeypatch: pytest.M
             assert len(one.of("keep")) == taken
             if taken:
                 told = one.of("keep")[0]
-                assert told[1:9] == ([-1.5, 0.25], -9.0, list(ring), 0, error, -1.0, 17.0, 0.5)
-                assert (told[9][:4], told[10:12]) == (SLIM, (2, width))
+                assert told[1] == ([-1.5, 0.25], -9.0, list(ring), 0, error, -1.0, 17.0, 0.5)
+                assert (told[2][:4], told[3:5]) == (SLIM, (2, width))
     one = kept(monkeypatch, piece(level=-1.0), piece(), width=9.0)  # as it begins
     assert one.of("keep") == []
     one = kept(monkeypatch, piece(), piece(level=-3.0, sample=17.0), width=1.0)  # steps out
@@ -354,7 +363,14 @@ def sought(patch: pytest.MonkeyPatch, start: int, patience: int, steps: int, **g
     """Samples at which the trial of a piece's centre is followed, from ``start`` on."""
     one = Followed(*(piece(sample=float(start + k)) for k in range(steps)))
     one(patch, patience=patience, **given)
-    return [1000 - told[4] for told in one.of("seek")]
+    return [1000 - left_of(told) for told in one.of("seek")]
+
+
+def left_of(told: tuple[Any, ...]) -> int:
+    """Samples that the budget leaves a trial that is sought."""
+    centre, scope, _ = told
+    left: int = scope.budget - int(centre.sample)
+    return left
 
 
 def test_a_piece_that_goes_on_is_looked_at_twice_as_late_each_time(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -375,7 +391,8 @@ def test_an_end_that_the_trial_has_is_entered_or_said(monkeypatch: pytest.Monkey
                 one.known.table[row * FIELDS] = fate
             found = one(monkeypatch, patience=3, limit=77.0)
             told = one.of("seek")[0]
-            assert told[:6] == ([-1.5, 0.25], -9.0, list(ring), 0, 997, 77.0)
+            assert told[0][:4] == ([-1.5, 0.25], -9.0, list(ring), 0)
+            assert (left_of(told), told[1].limit) == (997, 77.0)
             if fate in (REST_PROVEN, CYCLE_PROVEN):
                 assert (found, sum(one.known.why)) == ((AT + 2, PARTED, -1, 104), 0.0)
             else:
@@ -403,18 +420,19 @@ def followed(
     told: list[int] = []
 
     def follow(room: Any, work: Any, waiting: int, *more: Any) -> tuple[int, int, int, int]:
-        assert (work, more) == ("work", (delay, 2.0, 3, 4, 5.0, "drift", known, body, "wall"))
+        assert (work, more) == ("work", (2.0, scope, ("drift", known, body, "wall")))
         told.append(waiting)
         return script[len(told) - 1]
 
     patch.setattr(friction_box, "follow_piece", follow)
     size = piece_size(2, delay)
-    room = SimpleNamespace(stack=zeros(size * 8))
+    room = SimpleNamespace(stack=zeros(size * 8), own=zeros(size))
     for k in range(8):
         room.stack[k * size + WEIGHT] = 2.0**k
     body, known = body_of(friction), SimpleNamespace(table=zeros(FIELDS * 4))
     body.halt = halt or [0.0]
-    found = follow_friction(room, "work", waiting, delay, 2.0, 3, 4, 5.0, samples, "drift", known, body, "wall")  # type: ignore[no-untyped-call]
+    scope, cell = Scope(budget=4, skip=0, patience=3, limit=5.0, fine=True), Cell("drift", known, body, "wall")
+    found = follow_friction(room, "work", waiting, 2.0, samples, scope, cell)  # type: ignore[no-untyped-call]
     return found, known.table, told
 
 

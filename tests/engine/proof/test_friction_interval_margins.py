@@ -12,6 +12,7 @@ from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.sets import friction_phases
 from hknob_cli.engine.general.sets.box import ENDED, KEPT, PARTED
 from hknob_cli.engine.general.sets.box import UNPROVEN as NOT_PROVEN
+from hknob_cli.engine.general.sets.cell import Cell
 from hknob_cli.engine.general.sets.friction_phases import (
     FIRST,
     HALVINGS,
@@ -24,11 +25,13 @@ from hknob_cli.engine.general.sets.friction_phases import (
 )
 from hknob_cli.engine.general.sets.known import NO_ROOM
 from hknob_cli.engine.general.sets.piece import WEIGHT, piece_size
+from hknob_cli.engine.general.sets.scope import Scope
 
 from .friction_work import body_of, drift_of, room_of, wall_of, work_of, zeros
 
 SHARE = 6  # of an attractor's row: how many trials, or which share of them, end there
 ROWS = 4
+SCOPE = Scope(budget=1000, skip=0, patience=64, limit=9.0, fine=True)
 
 
 def known_of() -> Any:
@@ -55,16 +58,16 @@ def follow(
     known, body, todo, blamed = known_of(), body_of(friction), list(script), []
     room, work = room_of(64, delay), work_of(delay=delay)
 
-    def put(angle: float, velocity: float, low: float, high: float, weight: float, *rest: Any) -> int:
-        assert (angle, velocity, low, high) == (3.0, 0.25, 0.5, 0.5 + wide)
+    def put(start: Any, span: Any, weight: float, *rest: Any) -> int:
+        assert (start, span) == ((3.0, 0.25), (0.5, 0.5 + wide))
         blamed.append(weight)
         for k in range(64):  # the measure of the piece at each place
             room.stack[k * piece_size(2, delay) + WEIGHT] = 2.0**-20 * (k + 1)
         return first
 
-    def piece(its: Any, own: Any, waiting: int, line: int, width: float, *rest: Any) -> tuple[int, int, int, int]:
-        assert (its, own, line, width) == (room, work, delay, 0.0)
-        assert rest[:3] == (64, 1000, 9.0)
+    def piece(its: Any, own: Any, waiting: int, width: float, *rest: Any) -> tuple[int, int, int, int]:
+        assert (its, own, width) == (room, work, 0.0)
+        assert rest == (SCOPE, cell)
         fate, row = todo.pop(0)
         if halts is not None and len(script) - len(todo) == halts:
             body.halt[0] = 1.0
@@ -72,8 +75,8 @@ def follow(
 
     monkeypatch.setattr(friction_phases, "put_chord", put)
     monkeypatch.setattr(friction_phases, "follow_piece", piece)
-    wall, drift = wall_of(), drift_of()
-    found = follow_interval(3.0, 0.25, 0.5, 0.5 + wide, 64, 1000, 9.0, room, work, drift, known, body, wall)
+    cell = Cell(drift_of(), known, body, wall_of())
+    found = follow_interval((3.0, 0.25), (0.5, 0.5 + wide), SCOPE, room, work, cell)
     assert todo == script[found[5] // 10 :]
     return found, known, blamed
 
@@ -178,8 +181,9 @@ class Intervals:
     def of(self, low: float, wide: float) -> tuple[int, int, bool, int, float]:
         return 0, -1, True, 1, 0.0
 
-    def follow(self, angle: float, velocity: float, low: float, high: float, *rest: Any) -> tuple[Any, ...]:
-        assert (angle, velocity, *rest[:3]) == (3.0, 0.25, 64, 1000, 9.0)
+    def follow(self, start: Any, span: Any, scope: Any, *rest: Any) -> tuple[Any, ...]:
+        assert (start, scope) == ((3.0, 0.25), SCOPE)
+        low, high = span
         self.told.append((low, high - low))
         self.body.halt[0] = float(len(self.told) == self.halts)
         return *self.of(low, high - low), 10
@@ -188,10 +192,8 @@ class Intervals:
         """Follow these, the last first."""
         for k, (low, high) in enumerate(waiting):
             self.stack[2 * k], self.stack[2 * k + 1] = low, high
-        return follow_phases(
-            3.0, 0.25, len(waiting), samples, self.stack, 64, 1000, 9.0, room_of(), work_of(), drift_of(), self.known,
-            self.body, wall_of(),
-        )  # fmt: skip
+        cell = Cell(drift_of(), self.known, self.body, wall_of())
+        return follow_phases((3.0, 0.25), len(waiting), samples, self.stack, SCOPE, room_of(), work_of(), cell)
 
 
 def test_intervals_that_end_are_counted_by_their_length(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,7 +13,7 @@ from hknob_cli.engine.general.sets.piece import STATE, piece_size
 from hknob_cli.engine.general.sets.room import make_piece_room
 from hknob_cli.engine.general.slide_two import coefficients, step_with_friction
 
-from .friction_work import body_of, drift_of, law_of, room_of, wall_of, work_of, zeros
+from .friction_work import body_of, cell_of, drift_of, law_of, room_of, wall_of, work_of, zeros
 from .test_friction_piece_margins import Piece
 from .test_friction_rounding import apart
 from .test_friction_rounding import body_of as real_body_of
@@ -39,10 +39,10 @@ def chord(
 
     monkeypatch.setattr(friction_phases, "fly", flies)
     monkeypatch.setattr(friction_phases, "begin_memory", lambda its, level, ring: ring.__setitem__(slice(None), ring))
-    room, work = room_of(pieces, delay), work_of(delay=delay, law=law)
+    room, work = room_of(pieces, delay), work_of(delay=delay)
     work.corners[:8] = [1e6] * 8  # of the last set
-    wall = wall_of(damping=damping)
-    waiting = put_chord(angle, velocity, low, high, 0.5, room, work, drift or drift_of(), body, wall)
+    cell = cell_of(body, drift or drift_of(), wall_of(damping=damping), law)
+    waiting = put_chord((angle, velocity), (low, high), 0.5, room, work, cell)
     assert flown == [(angle, velocity, low, body), (angle, velocity, high, body)]
     return waiting, [Piece(room, k, delay) for k in range(max(waiting, 0))]
 
@@ -60,7 +60,7 @@ def test_a_torque_that_lags_has_not_begun_before_the_first_sample(monkeypatch: p
 
     monkeypatch.setattr(friction_phases, "fly", flies)
     room, work = make_piece_room(zeros, 3, 0, lattice=8, deep=8), work_of(plane=BODY, z=[9.0, 9.0, 9.0])
-    assert put_chord(ANGLE, VELOCITY, 0.25, 0.75, 0.5, room, work, drift_of(), late, wall_of()) == 1
+    assert put_chord((ANGLE, VELOCITY), (0.25, 0.75), 0.5, room, work, cell_of(late, drift_of(), wall_of())) == 1
     assert flown == [BODY, BODY]
     x, v, a, *corners = room.stack[STATE : STATE + 3 + 8]
     assert a == 0.0
@@ -134,12 +134,13 @@ def test_no_piece_of_one_phase_is_one_state(monkeypatch: pytest.MonkeyPatch) -> 
 def test_every_phase_is_in_its_piece(turn: float, friction: float, alpha: float) -> None:
     """Followed by itself: phases at which the knob slides, turns round, or stands for the rest."""
     body = real_body_of(alpha, turn * turn, friction, 0.25 * turn * turn, 0.0)
+    cell = cell_of(body, drift_of(), wall_of())
     for angle, velocity in ((3.0, 0.0), (-2.0, 1.0), (0.25, -0.5), (0.0, 0.0)):
         for parts in (1, 2, 16):
             for k in {0, parts // 2, parts - 1}:
                 room, work = room_of(), work_of()
                 low, high = k / parts, (k + 1) / parts
-                assert put_chord(angle, velocity, low, high, 0.0, room, work, drift_of(), body, wall_of()) == 1
+                assert put_chord((angle, velocity), (low, high), 0.0, room, work, cell) == 1
                 ends = Piece(room, 0).ends
                 for j in range(7):
                     x, v = fly(angle, velocity, low + j / 6 / parts, body)

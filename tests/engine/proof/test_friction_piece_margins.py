@@ -16,7 +16,19 @@ from hknob_cli.engine.general.sets.friction_piece import TINY, move_piece, part_
 from hknob_cli.engine.general.sets.friction_step import CUT, ENCLOSED, HELD, MOST_CUTS, SLID
 from hknob_cli.engine.general.sets.piece import BEFORE, COUNT, ERROR, LEVEL, SAMPLE, STATE, WEIGHT, piece_size
 
-from .friction_work import SQUARE, Motion, body_of, drift_of, room_of, wall_of, work_of, zeros
+from .friction_work import (
+    SQUARE,
+    Motion,
+    body_of,
+    cell_of,
+    centre_of,
+    drift_of,
+    law_of,
+    room_of,
+    wall_of,
+    work_of,
+    zeros,
+)
 from .test_friction_set_margins import pairs_of, ring_of, turned
 
 LEG = [0.0, 0.5, 1.0, 2.0, 3.0, -1.0]  # of an interval: torque, span, the plant's coefficients, no look
@@ -52,11 +64,13 @@ def moved(
     room = room_of(pieces, delay)
     work = work_of(sets, delay, looks, course or LEG, least=[least])
     wall, body = wall_of(damping=damping), body_of(friction)
-    where, told = list(z), list(given)
-    found = move_piece(
-        room, work, waiting, where, before, line, head, error, level, 7.0, 0.5, told, len(told) // 2, drift, body, wall
-    )
-    assert (where, told, line) == (list(z), given, list(ring or zeros(delay)))  # left alone
+    where = list(z)
+    room.corners[: len(given)] = given
+    told = centre_of(where, line, before, head=head, error=error, level=level, sample=7.0, weight=0.5)
+    cell = cell_of(body, drift, wall, law_of(looks) if looks else None)
+    found = move_piece(room, work, waiting, told, len(given) // 2, cell)
+    # left alone
+    assert (where, room.corners[: len(given)], line) == (list(z), given, list(ring or zeros(delay)))
     assert not any(room.stack[: waiting * piece_size(2, delay)])
     return found, [Piece(room, k, delay) for k in range(waiting, max(found, waiting))], work
 
@@ -221,10 +235,8 @@ def test_a_look_tells_a_set_apart(monkeypatch: pytest.MonkeyPatch) -> None:
     motion = Motion()
     motion.step = (1.25, 16.0)
     course = [*LEG[:5], 0.0, *LEG[:5], 1.0]
-    waiting, found, work = moved(
-        monkeypatch, motion, course=course, looks=2, z=(-2.15, 0.25), ring=[5.0, 6.0, 7.0, 8.0]
-    )
-    assert work.law.rows + 1 == 2  # where its looks are remembered
+    waiting, found, _ = moved(monkeypatch, motion, course=course, looks=2, z=(-2.15, 0.25), ring=[5.0, 6.0, 7.0, 8.0])
+    assert law_of(2).rows + 1 == 2  # where its looks are remembered
     # From -1.9 to 0.1 at the first look, from -0.65 to 1.35 at the second.
     right = {(-2.0, -1.0): 0.65, (-2.0, 0.0): 0.25, (-1.0, 0.0): 1.0, (0.0, 0.0): 0.1}
     assert waiting == len(right)
@@ -250,7 +262,7 @@ def test_a_look_is_at_a_set_of_few_corners(monkeypatch: pytest.MonkeyPatch) -> N
     told = []
 
     def looked(*given: Any) -> int:
-        told.append(given[7])
+        told.append(given[4])
         return 0
 
     monkeypatch.setattr(friction_piece, "command_all", lambda *given: (0, 3.0))
@@ -287,10 +299,10 @@ def parted(
     pieces: int = 32, waiting: int = 2, bottom: float = -inf,
 ) -> tuple[int, list[Piece]]:  # fmt: skip
     room, drift = room_of(pieces, 2), drift_of(bottom=bottom)
-    found = part_piece(
-        room, waiting, [x, 0.25], -9.0, [3.0, 5.0], 1, 0.0625, reach, 7.0, 0.5, corners, len(corners) // 2, *levels,
-        drift, body_of(friction), wall_of(),
-    )  # fmt: skip
+    room.corners[: len(corners)] = corners
+    told = centre_of([x, 0.25], [3.0, 5.0], -9.0, head=1, error=0.0625, sample=7.0, weight=0.5)
+    cell = cell_of(body_of(friction), drift, wall_of())
+    found = part_piece(room, waiting, told, len(corners) // 2, *levels, reach, cell)
     assert not any(room.stack[: waiting * piece_size(2, 2)])
     return found, [Piece(room, k, 2) for k in range(waiting, max(found, waiting))]
 

@@ -17,6 +17,7 @@ from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.inner_region import hold_zone
 from hknob_cli.engine.general.search import make_space
 from hknob_cli.engine.general.sets import friction_rest
+from hknob_cli.engine.general.sets.cell import Cell, Centre
 from hknob_cli.engine.general.sets.ends import Known, make_known
 from hknob_cli.engine.general.sets.friction_rest import (
     UNKNOWN,
@@ -53,22 +54,41 @@ def ends_of(delay: int = 0, order: int = 2, law: Any = None) -> Known:
     return make_known(zeros, order, delay, make_space(order, delay, zeros), law)
 
 
+def centre_of(z: Any, ring: Any, level: float = 0.0) -> Centre:
+    """A state that a set is told from; the bound on its error is told beside it."""
+    return Centre(z, 0.0, ring, 0, 0.0, level, 0.0, 1.0)
+
+
+def cell_of(known: Any, body: Any, bottom: float = -inf, wall: Any = None) -> Cell:
+    return Cell(drift_of(bottom=bottom), known, body, wall or wall_of())
+
+
+def rest_of_piece(
+    z: list[float], error: float, radius: float, level: float, corners: list[float], ends: Any, body: Body,
+) -> int:  # fmt: skip
+    """Row of the rest of a piece with these corners, which acts as ``level``, no command under way."""
+    cell = cell_of(ends, body)
+    return int(resting_piece(centre_of(z, [], level=level), error, radius, corners, len(corners) // 2, cell))
+
+
 # What is entered.
 
 
 def test_a_rest_is_entered_with_its_reading_and_what_is_remembered() -> None:
     ends = ends_of(2)
-    assert enter_rest(-1.5, -2.0, 7.0, [3.0, 4.0], ends, body_of(0.5), wall_of()) == 0
+    here, cell = centre_of([9.0, 9.0], [3.0, 4.0], level=9.0), cell_of(ends, body_of(0.5))
+    assert enter_rest(-1.5, -2.0, 7.0, here, cell) == 0
     assert ends.table[:2] == [REST_PROVEN, 1]
     assert ends.table[FIELDS - 1] == -2.0
     assert (ends.states[:2], ends.lines[:2], ends.counts[0]) == ([-1.5, 0.0], [3.0, 4.0], 1.0)
-    assert enter_rest(-1.25, -2.0, 7.0, [3.0, 4.0], ends, body_of(0.5), wall_of()) == 0  # one of a reading
-    assert enter_rest(-0.5, -1.0, 7.0, [3.0, 4.0], ends, body_of(0.5), wall_of()) == 1
+    assert enter_rest(-1.25, -2.0, 7.0, here, cell) == 0  # one of a reading
+    assert enter_rest(-0.5, -1.0, 7.0, here, cell) == 1
 
 
 def test_a_torque_that_lags_has_come_to_its_command() -> None:
     ends = ends_of(0, 3)
-    assert enter_rest(-1.5, -2.0, 7.0, [], ends, body_of(0.5, lag=0.5), wall_of()) == 0
+    here, cell = centre_of([9.0, 9.0, 9.0], [], level=9.0), cell_of(ends, body_of(0.5, lag=0.5))
+    assert enter_rest(-1.5, -2.0, 7.0, here, cell) == 0
     assert ends.states[:3] == [-1.5, 0.0, 7.0]
 
 
@@ -81,7 +101,7 @@ class Entered:
     def __init__(self, *rows: int) -> None:
         self.rows, self.at = list(rows), []  # type: list[int], list[tuple[float, float, float]]
 
-    def __call__(self, x: float, shown: float, u: float, ring: Any, known: Any, body: Any, wall: Any) -> int:
+    def __call__(self, x: float, shown: float, u: float, centre: Centre, cell: Cell) -> int:
         self.at.append((x, shown, u))
         return self.rows.pop(0) if self.rows else len(self.at) - 1
 
@@ -94,10 +114,8 @@ def held(
     given, wall = Entered(), wall_of(sense=sense)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(friction_rest, "enter_rest", given)
-        known: Any = SimpleNamespace(law=None)
-        row = held_rest(
-            low, high, *zone, blur, shift, level, reach, 7.0, [], known, drift_of(bottom=bottom), None, wall
-        )
+        cell = cell_of(SimpleNamespace(law=None), None, bottom, wall)
+        row = held_rest((low, high), (*zone, blur), shift, reach, 7.0, centre_of(None, [], level=level), cell)
     assert all(u == 7.0 for _, _, u in given.at)
     if row == UNKNOWN:
         return int(row)
@@ -155,7 +173,7 @@ def test_one_state_beside_the_zone_rests_in_a_reading_that_is_entered(x: float) 
     body = body_of(0.875, beta=0.5, alpha=1e-3)._replace(drive=1.25)
     ends, wall, z = ends_of(), wall_of(), [x, 0.0]
     assert hold_zone(0.0, 0.0, body, wall)[1:] == pytest.approx((0.75, 4.25))
-    assert resting_piece(z, 0.0, [], 0.0, 0.0, 0.0, [0.0, 0.0], 1, ends, drift_of(), body, wall) >= 0
+    assert rest_of_piece(z, 0.0, 0.0, 0.0, [0.0, 0.0], ends, body) >= 0
     span = coefficients(1.0, body)
     for _ in range(40):
         z = list(step_with_friction(z[0], z[1], 0.0, 1.0, *span, body))
@@ -176,7 +194,7 @@ def test_no_rest_is_entered_in_a_count_that_acts_otherwise() -> None:
     body, ends = body_of(0.40625, beta=0.5)._replace(drive=-3.09375), ends_of()
     assert hold_zone(2.0, -2.0, body, wall_of())[1:] == pytest.approx((-3.0, -1.375))
     corners = [-0.4375, 0.0, 0.25, 0.0]
-    assert resting_piece([-1.5, 0.0], 0.0, [], 0.0, 1.0, -2.0, corners, 2, ends, drift_of(), body, wall_of()) == 0
+    assert rest_of_piece([-1.5, 0.0], 0.0, 1.0, -2.0, corners, ends, body) == 0
     assert (ends.counts[0], ends.table[FIELDS - 1]) == (1.0, -2.0)
 
 
@@ -204,12 +222,8 @@ def test_a_state_that_the_very_end_of_the_zone_holds_is_not_said_to_rest_elsewhe
     assert hold_zone(0.0, 0.0, body, wall)[2] < 2.0
     assert step_with_friction(2.0, 0.0, 0.0, 1.0, *coefficients(1.0, body), body) == (2.0, 0.0)
     for corners in ([0.0, 0.0], [-0.5, 0.0, 0.0, 0.0]):
-        count, ends = len(corners) // 2, ends_of()
-        assert (
-            resting_piece([2.0, 0.0], 0.0, [], 0.0, 0.5, 0.0, corners, count, ends, drift_of(), body, wall) == UNKNOWN
-        )
-    ends = ends_of()
-    assert resting_piece([1.5, 0.0], 0.0, [], 0.0, 0.0, 0.0, [0.0, 0.0], 1, ends, drift_of(), body, wall) == 0
+        assert rest_of_piece([2.0, 0.0], 0.0, 0.5, 0.0, corners, ends_of(), body) == UNKNOWN
+    assert rest_of_piece([1.5, 0.0], 0.0, 0.0, 0.0, [0.0, 0.0], ends_of(), body) == 0
 
 
 def test_a_count_that_the_zone_does_not_hold_has_no_rest() -> None:
@@ -263,8 +277,8 @@ def test_no_room_for_a_reading_is_said() -> None:
     entered = Entered(0, FULL)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(friction_rest, "enter_rest", entered)
-        known: Any = SimpleNamespace(law=None)
-        row = held_rest(0.125, 2.375, 0.0, 9.0, 0.0, 0.0, 0.0, 0.0, 7.0, [], known, drift_of(), None, wall_of())
+        cell = cell_of(SimpleNamespace(law=None), None)
+        row = held_rest((0.125, 2.375), (0.0, 9.0, 0.0), 0.0, 0.0, 7.0, centre_of(None, []), cell)
     assert (row, len(entered.at)) == (FULL, 2)
 
 
@@ -277,7 +291,7 @@ def balance(
 ) -> int:  # fmt: skip
     one = body or body_of()
     known = ends or ends_of(order=len(z))
-    return int(balance_rest(z, u, wrong, reach, level, [], known, drift_of(bottom=bottom), one, wall_of()))
+    return int(balance_rest(centre_of(z, [], level=level), reach, u, wrong, cell_of(known, one, bottom)))
 
 
 def rounding(x: float, rest: float, torques: float) -> float:
@@ -372,8 +386,8 @@ def near(
     z: list[float], reach: float, zone: tuple[float, float], *, level: float = -1.0, u: float = 1.0,
     body: Body | None = None, ends: Known | None = None,
 ) -> int:  # fmt: skip
-    one = body or body_of(0.25)
-    return int(near_rest(z, u, reach, *zone, level, [], ends or ends_of(order=len(z)), one, wall_of()))
+    cell = cell_of(ends or ends_of(order=len(z)), body or body_of(0.25))
+    return int(near_rest(centre_of(z, [], level=level), reach, u, zone, cell))
 
 
 def place_of(z: list[float], reach: float, zone: tuple[float, float], **more: Any) -> float | None:
@@ -466,13 +480,7 @@ class Asked:
         self, body: Body, *, z: tuple[float, ...] = (-0.5, 0.0), error: float = 0.0, radius: float = 0.0,
         corners: tuple[float, ...] = (0.0, 0.0),
     ) -> int:  # fmt: skip
-        known: Any = SimpleNamespace(law=None)
-        return int(
-            resting_piece(
-                list(z), 0.0, [], error, radius, -1.0, list(corners), len(corners) // 2, known, drift_of(), body,
-                wall_of(),
-            )
-        )  # fmt: skip
+        return rest_of_piece(list(z), error, radius, -1.0, list(corners), SimpleNamespace(law=None), body)
 
 
 @pytest.fixture
@@ -499,11 +507,12 @@ def test_distances_grow_by_what_torques_still_differ(asked: Any) -> None:
             name, given = one.calls[-1]
             assert (row, name) == ((5, "near_rest") if friction else (6, "balance_rest"))
             away = 0.5 * (0.5 + 0.25 + 1.0 + added)
-            assert given[2 if friction else 3] == away
+            assert given[1] == away
             assert len(one.calls) == 1
     one = asked(wrong=0.125)
     one.row_of(HOLDS._replace(friction=0.0))
-    assert one.calls[-1][1][:3] == ([-0.5, 0.0], 1.0, 0.125)
+    centre, _, u, wrong = one.calls[-1][1][:4]
+    assert (centre.z, u, wrong) == ([-0.5, 0.0], 1.0, 0.125)
 
 
 def test_the_zone_is_narrower_by_what_a_torque_may_be_wrong_by(asked: Any) -> None:
@@ -514,7 +523,7 @@ def test_the_zone_is_narrower_by_what_a_torque_may_be_wrong_by(asked: Any) -> No
         if zone is None:
             assert (row, one.calls) == (UNKNOWN, [])
         else:
-            assert (row, one.calls[-1][0], one.calls[-1][1][3:5]) == (5, "near_rest", zone)
+            assert (row, one.calls[-1][0], one.calls[-1][1][3][:2]) == (5, "near_rest", zone)
     one = asked(zone=(0.0, 1.0, 0.0))
     assert (one.row_of(HOLDS, z=(-0.5, 0.5)), one.calls) == (UNKNOWN, [])
 
@@ -527,8 +536,9 @@ def test_a_piece_that_stands_is_held_from_its_least_to_its_greatest_place(asked:
             one.row["held_rest"] = row
             assert one.row_of(HOLDS, error=0.25, radius=0.5, corners=corners) == (5 if row == UNKNOWN else row)
             assert one.calls[-1][0] == last
-            low, high, *zone, _, shift, level, reach, u = one.calls[0][1][:9]
-            assert (low, high, zone, shift, level, u) == (-0.75, -0.375, [-0.75, -0.25], 0.0, -1.0, 1.0)
+            span, zone, shift, reach, u, centre = one.calls[0][1][:6]
+            assert (span, zone[:2], shift) == ((-0.75, -0.375), (-0.75, -0.25), 0.0)
+            assert (centre.level, u) == (-1.0, 1.0)
             assert reach == 0.125 + 8.0 * EPSILON * 0.5
     one = asked()
     assert one.row_of(HOLDS, corners=(0.0, 0.0, 0.0, 1e-300)) == 5
@@ -544,7 +554,7 @@ def test_the_zone_of_what_stands_moves_with_its_torque(asked: Any) -> None:
         one = asked(left=1.0)
         one.row_of(body, z=z)
         assert one.calls[0][0] == "held_rest"
-        assert one.calls[0][1][5] == shift
+        assert one.calls[0][1][2] == shift
 
 
 def test_the_zone_may_go_on_by_all_that_it_is_narrower(asked: Any) -> None:
@@ -553,7 +563,7 @@ def test_the_zone_may_go_on_by_all_that_it_is_narrower(asked: Any) -> None:
         one = asked(wrong=wrong, zone=(4.0, -0.5625 + narrow, -0.4375 - narrow))
         one.row_of(HOLDS)
         by = narrow + wrong / 4.0
-        assert one.calls[0][1][2:5] == (-0.5625 + by, -0.4375 - by, 2.0 * by)
+        assert one.calls[0][1][1] == (-0.5625 + by, -0.4375 - by, 2.0 * by)
 
 
 def test_the_norm_of_these_tests() -> None:

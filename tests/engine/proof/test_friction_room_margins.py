@@ -113,7 +113,6 @@ def test_there_is_room_for_all_that_a_set_may_become() -> None:
         for delay in (0, 1, 2, 5):
             room = make_friction_room(zeros, list, delay, RUBS, WALL, law)
             assert room.course == _course(RUBS, WALL, law)
-            assert room.law is law
             assert room.least == [1e-10]
             assert len(room.sets) == (SET + looks) * (SETS_LOOKED if looks else SETS)
             assert len(room.seen) == looks

@@ -16,6 +16,7 @@ from hknob_cli.engine.general.sets.room import PieceRoom, make_piece_room
 from hknob_cli.scene.general_knob import make_body
 from hknob_cli.specs.plan import Bias, Hand, Knob, Scene, Wall
 
+from .friction_work import cell_of, centre_of
 from .orbits import DIGITS, plant
 
 Number = Any  # of mpmath
@@ -106,9 +107,9 @@ def moved(case: Case, corners: list[float]) -> tuple[list[list[tuple[float, floa
         ROOMS[delay] = make_piece_room(zeros, 2, delay, lattice=8, deep=512)
     room, work = ROOMS[delay], make_friction_room(zeros, list, delay, body, wall)
     count, size = len(corners) // 2, piece_size(2, delay)
-    waiting = move_piece(
-        room, work, 0, [x, v], 0.0, line[:delay], 0, 0.0, level, 0.0, 1.0, corners, count, drift, body, wall
-    )
+    room.corners[: len(corners)] = corners
+    told = centre_of([x, v], line[:delay], level=level)
+    waiting = move_piece(room, work, 0, told, count, cell_of(body, drift, wall))
     found = []
     for k in range(waiting):
         one = room.stack[k * size : (k + 1) * size]

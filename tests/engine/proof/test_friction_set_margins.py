@@ -32,7 +32,7 @@ from hknob_cli.engine.general.sets.friction_piece import (
 from hknob_cli.engine.general.sets.friction_piece import V as SPEED
 from hknob_cli.engine.general.sets.friction_piece import X as PLACE
 
-from .friction_work import SQUARE, body_of, drift_of, room_of, wall_of, work_of, zeros
+from .friction_work import SQUARE, body_of, cell_of, drift_of, law_of, room_of, wall_of, work_of, zeros
 from .test_friction_rounding import apart
 
 HUGE = 2.0**40
@@ -113,7 +113,7 @@ def test_a_set_is_written_down_whole() -> None:
     for looks in (0, 2):
         work = work_of(looks=looks)
         work.seen[:] = [-3.0, -4.0][:looks]
-        begin_set(work, 3, 5, 7, 1.5, 2.5, 0.125, SQUARE, 4)
+        begin_set(work, 3, (5.0, 1.5, 2.5, 0.125), 7, SQUARE, 4)
         assert set_at(work, 3, looks) == (5.0, 7.0, 1.5, 2.5, 0.125, SQUARE, [-3.0, -4.0][:looks])
 
 
@@ -123,7 +123,7 @@ def test_a_set_of_few_corners_stays_as_it_is() -> None:
         for count in (4, MOST_CORNERS):
             room, work = room_of(), work_of()
             room.halves[: 2 * count] = ring_of(count)
-            assert begin_halves(room, work, 2, 3, 1.5, 2.5, 0.5, count, body_of(friction)) == 3
+            assert begin_halves(room, work, 2, (3.0, 1.5, 2.5, 0.5), count, body_of(friction)) == 3
             assert set_at(work, 2) == (3.0, 0.0, 1.5, 2.5, 0.5, ring_of(count), [])
             assert not any(work.sets[: 2 * SET])
             assert not any(work.sets[3 * SET :])
@@ -135,7 +135,7 @@ def test_with_friction_a_simpler_set_around_it_is_one(count: int, friction: floa
     """It holds all corners, and counts as much."""
     room, work = room_of(), work_of()
     room.halves[: 2 * count] = ring_of(count)
-    assert begin_halves(room, work, 2, 3, 1.5, 2.5, 0.5, count, body_of(friction)) == 3
+    assert begin_halves(room, work, 2, (3.0, 1.5, 2.5, 0.5), count, body_of(friction)) == 3
     *head, corners, seen = set_at(work, 2)
     assert (head, seen) == ([3.0, 0.0, 1.5, 2.5, 0.5], [])
     assert len(corners) == 2 * MOST_CORNERS
@@ -150,7 +150,7 @@ def test_where_nothing_rubs_it_is_in_two_halves(count: int) -> None:
     room, work = room_of(), work_of()
     whole = ring_of(count)
     room.halves[: 2 * count] = whole
-    assert begin_halves(room, work, 2, 3, 1.5, 2.5, 0.5, count, body_of()) == 4
+    assert begin_halves(room, work, 2, (3.0, 1.5, 2.5, 0.5), count, body_of()) == 4
     one, two = set_at(work, 2), set_at(work, 3)
     assert one[:4] == two[:4] == (3.0, 0.0, 1.5, 2.5)
     areas = [area_of(each[5], len(each[5]) // 2) for each in (one, two)]
@@ -174,7 +174,7 @@ def test_both_sides_of_a_line_are_sets() -> None:
     ):  # fmt: skip
         work = work_of(line=line)
         work.corners[:8] = SQUARE
-        assert cut_set(work, 4, 5, 2, 1.5, 2.5, 0.5, 4) == 6
+        assert cut_set(work, 4, (5.0, 1.5, 2.5, 0.5), 2, 4) == 6
         for at, corners in ((4, over), (5, under)):
             found = set_at(work, at)
             assert found[:5] == (5.0, 3.0, 1.5, 2.5, 0.5)
@@ -192,7 +192,7 @@ def test_a_line_beside_a_set_does_not_cut_it(line: list[float]) -> None:
     for sign in (1.0, -1.0):
         work = work_of(line=[sign * one for one in line])
         work.corners[:8] = SQUARE
-        assert cut_set(work, 4, 5, 2, 1.5, 2.5, 0.5, 4) == 0
+        assert cut_set(work, 4, (5.0, 1.5, 2.5, 0.5), 2, 4) == 0
         assert not any(work.sets)
         assert work.corners[:8] == SQUARE
 
@@ -200,7 +200,7 @@ def test_a_line_beside_a_set_does_not_cut_it(line: list[float]) -> None:
 def test_states_on_the_line_are_in_both_sides() -> None:
     work = work_of(line=[1.0, 0.0, 1.0])
     work.corners[:8] = SQUARE
-    assert cut_set(work, 0, 0, 0, 0.0, 0.0, 1.0, 4) == 2
+    assert cut_set(work, 0, (0.0, 0.0, 0.0, 1.0), 0, 4) == 2
     assert set_at(work, 0)[5] == [1.0, -0.5, 1.0, 0.5]
     assert len(set_at(work, 1)[5]) == 8
 
@@ -214,14 +214,14 @@ def look(
 ) -> tuple[int, list[tuple[float, ...]]]:  # fmt: skip
     """Cut a set of these corners about ``x``: what is returned, and the sets."""
     room, work = room_of(), work_of(sets=sets, looks=2)
-    work.law.watch = wall_of(sense=sense)
     work.seen[:] = [-7.0, -8.0]
     count = len(corners) // 2
     work.corners[: 2 * count] = corners
     body, drift = body_of(friction, reach), drift_of(bottom=bottom)
     # Not by the command's own controller, which here would tell no readings apart.
     wall = wall_of(kappa=0.0, limit=0.0)
-    found = look_at_set(room, work, at, 3, x, 2.5, 0.5, count, error, 1, body, drift, wall)
+    cell = cell_of(body, drift, wall, law_of(2, wall_of(sense=sense)))
+    found = look_at_set(room, work, at, (3.0, x, 2.5, 0.5), count, error, 1, cell)
     assert not any(work.sets[: at * (SET + 2)])
     return found, [set_at(work, k, 2) for k in range(at, max(at, found))]
 

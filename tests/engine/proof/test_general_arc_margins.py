@@ -7,6 +7,7 @@ an end of its own, and no phase of it may be lost. How the first one is told is 
 import random
 from collections.abc import Callable
 from math import inf
+from types import SimpleNamespace
 from typing import Any
 
 import mpmath as mp
@@ -18,7 +19,7 @@ from hknob_cli.engine.follow import GREW as GREW_FATE
 from hknob_cli.engine.general.body import Body, norm
 from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.sets import arc, arc_parts
-from hknob_cli.engine.general.sets.arc import (
+from hknob_cli.engine.general.sets.arc_parts import (
     ARC_BEFORE,
     ARC_ERROR,
     ARC_LEVEL,
@@ -29,8 +30,11 @@ from hknob_cli.engine.general.sets.arc import (
     arc_size,
 )
 from hknob_cli.engine.general.sets.ball import CAPTURED, FIRST_REST_TEST, GREW, MEETS_EDGE, OUT_OF_SAMPLES
+from hknob_cli.engine.general.sets.cell import Cell, Centre
 from hknob_cli.engine.general.sets.known import NO_ROOM, UNPROVEN_END
 from hknob_cli.engine.general.sets.room import ArcRoom, make_arc_room
+from hknob_cli.engine.general.sets.scope import Scope
+from tests.engine.general.sets.cells import centre
 
 from .orbits import DIGITS
 from .test_general_capture_margins import body_of, room, wall_of
@@ -39,11 +43,9 @@ from .test_general_cutting_margins import drift_of, zeros
 BODY = body_of(1.0, 4.0, 1.0)  # half a count for a norm of 1
 DRIFT = drift_of()
 DAMPED = wall_of(damping=0.25)  # each count acts by itself, and the last reading is remembered
+NOTHING = SimpleNamespace(law=None, turns=None)
 BUDGET, LIMIT, SLACK, LONG = 1000, 77.0, 0.125, 10**9
-BALL = (
-    *("z", "before", "ring", "head", "radius", "error", "level", "run", "next_test"),
-    *("samples", "limit", "small", "drift", "known", "body", "wall"),
-)
+BALL = "centre", "radius", "run", "next_test", "samples", "limit", "small", "cell"
 Answer = tuple[Any, ...]
 
 
@@ -72,8 +74,8 @@ def test_an_arc_waits_with_all_that_goes_on_from_it(order: int, delay: int) -> N
     assert tuple(range(7)) == (LOW, HIGH, ARC_ERROR, ARC_BEFORE, ARC_LEVEL, ARC_SAMPLE, ARC_STATE)
     assert arc_size(order, delay) == 7 - 1 + order + delay
     size, work = arc_size(order, delay), small_room(delay, 4, order)
-    given = 0.25, 0.5, [3.0, 4.0, 5.0][:order], -1.0, [20.0, 10.0][:delay], 1, 0.125, -2.0, 7.0
-    assert arc_parts.wait_arc(work, 2, *given, order) == 3
+    told = centre([3.0, 4.0, 5.0][:order], [20.0, 10.0][:delay], -1.0, head=1, error=0.125, level=-2.0, sample=7.0)
+    assert arc_parts.wait_arc(work, 2, (0.25, 0.5), told) == 3
     assert work.stack[: 2 * size] == [9.0] * (2 * size)
     assert work.stack[2 * size : 3 * size] == [
         *(0.25, 0.5, 0.125, -1.0, -2.0, 7.0),
@@ -88,8 +90,8 @@ def moves(monkeypatch: pytest.MonkeyPatch) -> list[Answer]:
     """The centres that are told from another: the middle, the phase and the sample of each; both become its state."""
     told: list[Answer] = []
 
-    def move_centre(z: Any, middle: float, to: float, sample: int, *rest: Any) -> None:
-        told.append((list(z), middle, to, sample))
+    def move_centre(centre: Centre, middle: float, to: float, *rest: Any) -> None:
+        told.append((list(centre.z), middle, to, centre.sample))
         rest[-1][0], rest[-1][1] = to, middle
 
     monkeypatch.setattr(arc_parts, "move_centre", move_centre)
@@ -114,12 +116,13 @@ def test_an_arc_is_cut_at_two_phases(
 ) -> None:
     """Without a gap; each part is told from its own middle, with what that rounds, and has not moved on."""
     work, z, ring = small_room(delay), [3.0, 4.0], [20.0, 10.0][:delay]
-    given = LOW_PHASE, HIGH_PHASE, first, last, z, -1.0, ring, 1, 0.25, SLACK, 7
-    assert arc_parts.split_arc(work, 2, *given, DRIFT, BODY) == 2 + len(parts)
+    told = centre(z, ring, -1.0, head=1, error=0.25 + SLACK, level=-2.0, sample=7.0)
+    cell = Cell(DRIFT, NOTHING, BODY, DAMPED)
+    assert arc_parts.split_arc(work, 2, (LOW_PHASE, HIGH_PHASE), first, last, told, cell) == 2 + len(parts)
     assert moves == [([3.0, 4.0], 0.375, 0.5 * (low + high), 7) for low, high in parts]
     for k, (low, high) in enumerate(parts):
-        told = [low, high, 0.25 + SLACK, -1.0, 0.0, 7.0, 0.5 * (low + high), 0.375, *[10.0, 20.0][:delay]]
-        assert waiting(work, 2 + k, delay) == told
+        waits = [low, high, 0.25 + SLACK, -1.0, 0.0, 7.0, 0.5 * (low + high), 0.375, *[10.0, 20.0][:delay]]
+        assert waiting(work, 2 + k, delay) == waits
 
 
 # Parts at edges.
@@ -136,19 +139,20 @@ class Parted:
         self.work.below[0], self.work.above[0] = left - z[0], right - z[0]
         self.ring = [20.0, 10.0][: self.delay]
         wall, drift = more.get("wall", DAMPED), DRIFT._replace(bottom=more.get("bottom", -inf))
-        given = LOW_PHASE, HIGH_PHASE, z, -9.0, self.ring, 1, 0.25, SLACK, more.get("reach", 0.0)
-        at = more.get("sample", 7)
-        self.total = arc_parts.part_arc(self.work, more.get("first", 2), *given, at, *levels, (None, drift, BODY, wall))
+        sample, reach = float(more.get("sample", 7)), more.get("reach", 0.0)
+        told = centre(z, self.ring, -9.0, head=1, error=0.25 + SLACK, sample=sample)
+        given = (LOW_PHASE, HIGH_PHASE), told, reach, *levels, Cell(drift, NOTHING, BODY, wall)
+        self.total = arc_parts.part_arc(self.work, more.get("first", 2), *given)
         assert self.ring == [20.0, 10.0][: self.delay]
 
-    def step_through(
-        self, _law: None, z: Any, before: float, error: float, level: float, ring: Any, head: int, *_: Any
-    ) -> Any:
+    def step_through(self, centre: Centre, *_: Any) -> Centre:
+        z, before, ring, head, error, level, sample, _ = centre
         self.steps.append((list(z), before, error, level, list(ring), head))
         z[0], z[1] = z[0] + 100.0, z[1] + 10.0
         if self.delay:
             ring[0] = level
-        return level - 50.0, error + 1.0, 1 if self.delay else 0
+        head = 1 if self.delay else 0
+        return centre._replace(before=level - 50.0, error=error + 1.0, head=head, sample=sample + 1.0)
 
     def phases(self) -> list[tuple[float, float, float]]:
         return [(one[ARC_LEVEL], one[LOW], one[HIGH]) for one in self.parts()]
@@ -255,14 +259,15 @@ def test_all_phases_wait_as_one_arc_about_half_a_sample(monkeypatch: pytest.Monk
             start = [chance.uniform(-100.0, 100.0), chance.uniform(-10.0, 10.0)]
             given: list[Answer] = []
 
-            def wait_arc(work: Any, waits: int, low: float, high: float, z: Any, *rest: Any, said: Any = given) -> int:
-                said.append((waits, low, high, list(z), rest[0], list(rest[1]), *rest[2:]))
+            def wait_arc(work: Any, waits: int, span: Any, centre: Centre, said: Any = given) -> int:
+                z, before, ring, *rest, _ = centre
+                said.append((waits, *span, list(z), before, list(ring), *rest, len(z)))
                 return waits + 1
 
             monkeypatch.setattr(arc, "wait_arc", wait_arc)
             work, drift = small_room(delay), DRIFT._replace(units=units, coast=1e-14)
             work.own_ring[:] = [9.0] * delay
-            slack = arc.fill_arcs(start, delay, work, drift, body)
+            slack = arc.fill_arcs(start, work, drift, body)
             rate = [start[1], body.drive - body.beta * start[0] - body.alpha * start[1]]
             assert slack == pytest.approx(1e-14 * norm(rate, body), rel=1e-12, abs=0.0)
             waits, low, high, z, before, ring, head, error, level, sample, n = given[0]
@@ -297,6 +302,7 @@ class Followed:
             patch.setattr(arc, name, getattr(self, name))
         self.delay, self.wall = more.get("delay", 0), more.get("wall", DAMPED)
         self.body, self.known = BODY._replace(halt=[0.0]), room(self.delay)
+        self.cell = Cell(DRIFT, self.known, self.body, self.wall)
         self.known.table[0], self.known.table[FIELDS] = CYCLE_PROVEN, REST_PROVEN
         self.known.table[2 * FIELDS] = CYCLE_ON_EDGE
         self.room = small_room(self.delay, more.get("slots", 8), ended=more.get("ended", 30))
@@ -310,12 +316,16 @@ class Followed:
             self.waits += 1
 
     def follow_ball(self, *given: Any) -> Answer:
-        self.seen.append(dict(zip(BALL, given, strict=True)) | {"z": list(given[0]), "ring": list(given[2])})
-        answer, more = self.balls.pop(0)
-        given[0][0] = more.get("x", given[0][0])
+        one = dict(zip(BALL, given, strict=True))
+        told, cell = one["centre"], one["cell"]
+        self.seen.append(one | told._asdict() | cell._asdict() | {"z": list(told.z), "ring": list(told.ring)})
+        (event, row, before, head, error, level, run, next_test, used), more = self.balls.pop(0)
+        told.z[0] = more.get("x", told.z[0])
         if self.delay:
-            given[2][:] = [100.0, 200.0]
-        return answer
+            told.ring[:] = [100.0, 200.0]
+        sample = told.sample + used
+        end = told._replace(before=before, head=head, error=error, level=level, sample=sample)
+        return event, row, end, run, next_test
 
     def measure_arc(self, low: float, high: float, sample: int, *_: Any) -> tuple[float, float]:
         """The radius says which sample it is of, and how long the arc."""
@@ -324,35 +334,35 @@ class Followed:
         bulge = self.bulges.pop(0) if len(self.bulges) > 1 else (self.bulges or [0.0])[0]
         return high - low + sample / 1024.0, bulge
 
-    def seek(self, z: Any, before: float, ring: Any, head: int, budget: int, limit: float, *rest: Any) -> Any:
-        self.looked.append((list(z), before, list(ring), head, budget, limit))
-        assert rest == (self.known, self.body, self.wall)
+    def seek(self, centre: Centre, scope: Scope, cell: Cell) -> Any:
+        z, before, ring, head = centre[:4]
+        self.looked.append((list(z), before, list(ring), head, scope.budget - int(centre.sample), scope.limit))
+        assert cell == self.cell
         self.body.halt[0] = self.halts
         return self.seeks.pop(0)
 
-    def step_through(
-        self, _law: None, z: Any, before: float, error: float, level: float, ring: Any, head: int, *_: Any
-    ) -> Any:
+    def step_through(self, centre: Centre, *_: Any) -> Centre:
+        z, before, ring, head, error, level, sample, _ = centre
         self.steps.append((list(z), before, error, level, list(ring), head))
         z[0] += 0.5
-        return before + 1.0, error + 0.125, head + 1
+        return centre._replace(before=before + 1.0, error=error + 0.125, head=head + 1, sample=sample + 1.0)
 
-    def split_arc(self, work: Any, waits: int, low: float, high: float, first: float, last: float, *rest: Any) -> int:
-        z, before, _, head, error, slack, sample, *_ = rest
-        self.cuts.append((waits, low, high, first, last, list(z), before, head, error, slack, sample))
+    def split_arc(self, work: Any, waits: int, span: Any, first: float, last: float, centre: Centre, cell: Cell) -> int:
+        z, before, _, head, error, _, sample, _ = centre
+        self.cuts.append((waits, *span, first, last, list(z), before, head, error, sample))
         return self.parted.pop(0) if self.parted else 0
 
-    def part_arc(self, work: Any, waits: int, low: float, high: float, z: Any, before: float, *rest: Any) -> int:
-        _, head, error, slack, reach, sample, least, most, cell = rest
-        assert cell == (None, DRIFT, self.body, self.wall)
-        self.parts.append((waits, low, high, list(z), before, head, error, slack, reach, sample, least, most))
+    def part_arc(
+        self, work: Any, waits: int, span: Any, centre: Centre, reach: float, least: float, most: float, cell: Cell
+    ) -> int:
+        z, before, _, head, error, _, sample, _ = centre
+        assert cell == self.cell
+        self.parts.append((waits, *span, list(z), before, head, error, reach, sample, least, most))
         return self.parted.pop(0) if self.parted else 0
 
     def run(self, samples: int = LONG, patience: int = 64, budget: int = BUDGET, slack: float = SLACK) -> Answer:
-        found = arc.follow_arcs(
-            self.waits, self.delay, slack, budget, patience, LIMIT, samples, self.totals, self.room, DRIFT,
-            self.known, self.body, self.wall,
-        )  # fmt: skip
+        scope = Scope(budget=budget, skip=0, patience=patience, limit=LIMIT, fine=True)
+        found = arc.follow_arcs(self.waits, slack, samples, self.totals, scope, self.room, self.cell)
         assert self.balls == []
         return tuple(found)
 
@@ -549,9 +559,9 @@ def test_an_arc_reaches_as_far_as_its_ends_its_bulge_and_its_roundings(
                 one.run()
                 assert (len(one.parts), len(one.steps)) == ((1, 0) if off < 0.0 else (0, 1))
                 if off < 0.0:
-                    waits, low, high, z, before, head, error, slack, told, sample, least, most = one.parts[0]
+                    waits, low, high, z, before, head, error, told, sample, least, most = one.parts[0]
                     assert (waits, low, high, z, before, head) == (0, 0.25, 0.75, [middle, -2.0], 0.0, 0)
-                    assert (error, slack, sample, least, most) == (0.125, SLACK, 7, edge - 1.0, edge)
+                    assert (error, sample, least, most) == (0.125 + SLACK, 7, edge - 1.0, edge)
                     assert told == pytest.approx(reach + 8.0 * EPSILON * abs(middle), rel=1e-15, abs=0.0)
 
 
@@ -574,9 +584,9 @@ def test_an_arc_that_bulges_by_more_than_rounding_is_cut_beside_the_edge(followe
         for x, share in ((-8.0, 0.5), (-8.1875, 0.75)):
             one = followed([met(x, error=0.0, before=2.0, head=7)], bulges=[bulge], ways=(-wide, wide), parted=[0])
             assert one.run(slack=0.03125) == (0, 1)
-            waits, low, high, first, last, z, before, head, error, slack, sample = one.cuts[0]
+            waits, low, high, first, last, z, before, head, error, sample = one.cuts[0]
             assert (waits, low, high, z, before, head) == (0, 0.25, 0.75, [x, -2.0], 2.0, 7)
-            assert (error, slack, sample) == (0.0, 0.03125, 7)
+            assert (error, sample) == (0.03125, 7)
             middle, part = share if wide > 0.0 else 1.0 - share, 2.0 * reach / 0.75
             assert first == pytest.approx(0.25 + 0.5 * (middle - part), rel=1e-12)
             assert last == pytest.approx(0.25 + 0.5 * (middle + part), rel=1e-12)
@@ -620,7 +630,7 @@ def test_what_is_shorter_than_can_be_told_apart_is_parted_with_its_bulge(followe
         one.run(slack=0.0)
         assert (len(one.cuts), len(one.parts)) == (cut, not cut)
         if not cut:
-            assert one.parts[0][8] == 0.5
+            assert one.parts[0][7] == 0.5
     for high, cut in ((0.5 + 1e-13, True), (0.5 + 0.9e-13, False)):
         one = followed([met(0.0, error=0.0)], bulges=[1.0], arcs=[(0.5, high, 7)])
         one.run(slack=0.0)

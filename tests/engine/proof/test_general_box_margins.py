@@ -27,9 +27,11 @@ from hknob_cli.engine.general.sets.ball import (
     STEPS_DEEPER,
 )
 from hknob_cli.engine.general.sets.box import ENDED, KEPT, PARTED, SECTION, SMALL, UNPROVEN
+from hknob_cli.engine.general.sets.cell import Cell, Centre
 from hknob_cli.engine.general.sets.known import FULL, NO_ROOM, UNPROVEN_END
 from hknob_cli.engine.general.sets.piece import BEFORE, COUNT, ERROR, LEVEL, SAMPLE, STATE, WEIGHT, piece_size
 from hknob_cli.engine.general.sets.room import PieceRoom
+from hknob_cli.engine.general.sets.scope import Scope
 
 from .test_general_capture_margins import body_of, room, wall_of
 from .test_general_cutting_margins import SQUARE, drift_of, small_room, waiting
@@ -41,10 +43,7 @@ FAR = 4.0, -2.0, 1.0, 0.5  # middle x and v, error, weight of the piece that is 
 BUDGET, LIMIT = 1000, 77.0
 FIRST = sqrt(4.25)  # norm of the corners of `SQUARE`
 BLURRED = 0.0625 * FIRST
-BALL = (
-    *("z", "before", "ring", "head", "radius", "error", "level", "run", "next_test"),
-    *("samples", "limit", "small", "drift", "known", "body", "wall"),
-)
+BALL = "centre", "radius", "run", "next_test", "samples", "limit", "small", "cell"
 Answer = tuple[Any, ...]
 
 
@@ -52,6 +51,25 @@ def says(event: int, used: int, row: int = -1, **more: Any) -> tuple[Answer, dic
     """What a ball comes to: and where its centre is then."""
     one = {"before": 0.0, "head": 0, "error": 0.25, "level": -2.0, "run": 3, "next_test": 16} | more
     return (event, row, *(one[k] for k in ("before", "head", "error", "level", "run", "next_test")), used), more
+
+
+def asked_of(*given: Any) -> dict[str, Any]:
+    """What a ball is asked to follow, by name."""
+    one = dict(zip(BALL, given, strict=True))
+    centre, cell = one["centre"], one["cell"]
+    return one | centre._asdict() | cell._asdict() | {"z": list(centre.z), "ring": list(centre.ring)}
+
+
+def come_to(centre: Centre, answer: Answer) -> Answer:
+    """The answer of a ball that was followed from this centre."""
+    event, row, before, head, error, level, run, next_test, used = answer
+    sample = centre.sample + used
+    end = centre._replace(before=before, head=head, error=error, level=level, sample=sample)
+    return event, row, end, run, next_test
+
+
+def scope_of(patience: int, budget: int = BUDGET, skip: int = 0) -> Scope:
+    return Scope(budget=budget, skip=skip, patience=patience, limit=LIMIT, fine=True)
 
 
 class Followed:
@@ -85,40 +103,41 @@ class Followed:
         self.room.stack[:] = [9.0] * len(self.room.stack)
         self.room.stack[2 * size : 2 * size + len(one)] = one
 
-    def follow_ball(self, *given: Any) -> Answer:
-        self.seen.append(dict(zip(BALL, given, strict=True)) | {"z": list(given[0]), "ring": list(given[2])})
+    def follow_ball(self, centre: Centre, *given: Any) -> Answer:
+        self.seen.append(asked_of(centre, *given))
         answer, more = self.balls.pop(0)
-        given[0][0], given[0][1] = more.get("x", given[0][0]), more.get("v", given[0][1])
-        return answer
+        z = centre.z
+        z[0], z[1] = more.get("x", z[0]), more.get("v", z[1])
+        return come_to(centre, answer)
 
-    def seek(self, z: Any, before: float, ring: Any, head: int, budget: int, limit: float, *rest: Any) -> Any:
-        self.looked.append((list(z), before, list(ring), head, budget, limit))
-        assert rest == (self.known, self.body, self.wall)
+    def seek(self, centre: Centre, scope: Scope, cell: Cell) -> Any:
+        z, before, ring, head = centre[:4]
+        self.looked.append((list(z), before, list(ring), head, scope.budget - int(centre.sample), scope.limit))
+        assert cell[1:] == (self.known, self.body, self.wall)
         self.body.halt[0] = self.halts
         return self.seeks.pop(0)
 
-    def keep(self, *given: Any) -> bool:
-        self.kept.append((list(given[1]), *given[2:9], list(given[9][: 2 * given[10]]), given[11]))
+    def keep(self, room: PieceRoom, centre: Centre, corners: Any, count: int, width: float, *_: Any) -> bool:
+        self.kept.append((list(centre.z), *centre[1:], list(corners[: 2 * count]), width))
         return bool(self.keeps.pop(0))
 
-    def part(self, *given: Any) -> int:
-        _, waits, z, before, _, head, error, reach, sample, weight, corners, count, low, high, *_ = given
-        self.parts.append(
-            (waits, list(z), before, head, error, reach, sample, weight, list(corners[: 2 * count]), low, high)
-        )
+    def part(
+        self, room: PieceRoom, waits: int, centre: Centre, count: int, low: float, high: float, reach: float, _: Cell
+    ) -> int:
+        z, before, _, head, error, _, sample, weight = centre
+        corners = list(room.corners[: 2 * count])
+        self.parts.append((waits, list(z), before, head, error, reach, sample, weight, corners, low, high))
         return int(self.parted)
 
-    def step_through(
-        self, _law: None, z: Any, before: float, error: float, level: float, ring: Any, head: int, *_: Any
-    ) -> Any:
+    def step_through(self, centre: Centre, *_: Any) -> Centre:
+        z, before, ring, head, error, level, sample, _ = centre
         self.steps.append((list(z), before, error, level, list(ring), head))
         z[0] += 0.5
-        return before + 1.0, error + 0.125, head + 1
+        return centre._replace(before=before + 1.0, error=error + 0.125, head=head + 1, sample=sample + 1.0)
 
     def run(self, width: float = 0.0, patience: int = 64, budget: int = BUDGET) -> Answer:
-        found = box.follow_piece(
-            self.room, 3, self.delay, width, patience, budget, LIMIT, DRIFT, self.known, self.body, self.wall
-        )
+        cell = Cell(DRIFT, self.known, self.body, self.wall)
+        found = box.follow_piece(self.room, 3, width, scope_of(patience, budget), cell)
         assert self.balls == []
         return tuple(found)
 
@@ -396,20 +415,19 @@ class Generation:
         self.fates, self.followed, self.halts = list(fates), 0, halts
         patch.setattr(box, "follow_piece", self.follow_piece)
         self.room, self.body = small_room(), BODY._replace(halt=[0.0])
+        self.cell = Cell(DRIFT, room(), self.body, WALL)
         for k in range(8):
             self.room.stack[piece_size(2, 0) * k + WEIGHT] = 0.5 ** (k + 1)
 
     def follow_piece(self, room: PieceRoom, waits: int, *rest: Any) -> Answer:
-        assert (room, rest[:5]) == (self.room, (0, 0.25, 64, BUDGET, LIMIT))
+        assert (room, rest) == (self.room, (0.25, scope_of(64), self.cell))
         if self.followed == self.halts:
             self.body.halt[0] = 1.0
         self.followed += 1
         return self.fates.pop(0)
 
     def run(self, first: int, samples: int = 10**6) -> Answer:
-        return tuple(
-            box.follow_generation(self.room, first, 0, 0.25, 64, BUDGET, LIMIT, samples, DRIFT, room(), self.body, WALL)
-        )
+        return tuple(box.follow_generation(self.room, first, 0.25, samples, scope_of(64), self.cell))
 
 
 def test_generations_count_what_ended_and_what_is_not_proven(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -433,13 +451,14 @@ def test_generations_count_what_ended_and_what_is_not_proven(monkeypatch: pytest
 def test_some_of_those_that_wait_are_looked_at_evenly_spread(monkeypatch: pytest.MonkeyPatch, delay: int) -> None:
     seen: list[Answer] = []
 
-    def seek(z: Any, before: float, ring: Any, head: int, *rest: Any) -> Answer:
-        seen.append((*z, before, *ring, head))
-        assert rest[:2] == (BUDGET, LIMIT)
-        return -1, 10 ** int(before)
+    def seek(centre: Centre, scope: Scope, cell: Cell) -> Answer:
+        seen.append((*centre.z, centre.before, *centre.ring, centre.head))
+        assert (scope.budget - int(centre.sample), scope.limit) == (BUDGET, LIMIT)
+        return -1, 10 ** int(centre.before)
 
     monkeypatch.setattr(box, "seek", seek)
     work, size = small_room(delay), piece_size(2, delay)
+    cell = Cell(DRIFT, room(delay), BODY, WALL)
     for k in range(7):
         work.stack[k * size : k * size + STATE] = [0.0, float(k), 0.0, 0.0, 0.0, 0.0, 0.0]
         work.stack[k * size + STATE : k * size + STATE + 2 + delay] = [k + 0.5, k + 0.25, k + 0.125, k + 0.75][
@@ -456,9 +475,7 @@ def test_some_of_those_that_wait_are_looked_at_evenly_spread(monkeypatch: pytest
         (3, 0, []),
     ):
         seen.clear()
-        assert box.seek_some(work, waits, delay, some, BUDGET, LIMIT, room(delay), BODY, WALL) == sum(
-            10**k for k in which
-        )
+        assert box.seek_some(work, waits, some, scope_of(64), cell) == sum(10**k for k in which)
         assert seen == [(k + 0.5, k + 0.25, float(k), *[k + 0.125, k + 0.75][:delay], 0) for k in which]
 
 
@@ -475,15 +492,15 @@ def test_single_states_are_counted_where_they_end(
     seeks, asked, looked = [(0, 20), (UNPROVEN_END, 300), (-2, 4000)], [], []
     damped = wall_of(damping=0.25)
 
-    def follow_ball(*given: Any) -> Answer:
-        one = dict(zip(BALL, given, strict=True)) | {"z": list(given[0]), "ring": list(given[2])}
-        asked.append(one)
-        given[0][:2] = [3.0, 0.5]
+    def follow_ball(centre: Centre, *given: Any) -> Answer:
+        asked.append(asked_of(centre, *given))
+        centre.z[:2] = [3.0, 0.5]
         event, row, used = balls.pop(0)
-        return event, row, -5.0, 1, 0.25, -2.0, 3, 16, used
+        return come_to(centre, (event, row, -5.0, 1, 0.25, -2.0, 3, 16, used))
 
-    def seek(z: Any, before: float, ring: Any, head: int, budget: int, limit: float, *_: Any) -> Answer:
-        looked.append((list(z), before, list(ring), head, budget, limit))
+    def seek(centre: Centre, scope: Scope, _: Cell) -> Answer:
+        z, before, ring, head = centre[:4]
+        looked.append((list(z), before, list(ring), head, scope.budget - int(centre.sample), scope.limit))
         return seeks.pop(0)
 
     monkeypatch.setattr(box, "follow_ball", follow_ball)
@@ -492,7 +509,8 @@ def test_single_states_are_counted_where_they_end(
     work.own_z[:], work.own_ring[:] = [9.0] * 3, [9.0] * delay
     body = BODY._replace(order=3)
     starts = [9.0, 9.0, 0.7, 0.125, -300.5, -1.0, 0.25, 40.0, -2.0, 0.1, 9.0, 9.0]
-    found = box.sample_box(starts, 1, 5, patience, BUDGET, LIMIT, ends, work, DRIFT, known, body, damped)
+    scope = scope_of(64, skip=patience)
+    found = box.sample_box(starts, 1, 5, ends, scope, work, Cell(DRIFT, known, body, damped))
     assert found == (3 + 7 + 4 + 0 + 20 + 300 + 4000, 2)
     assert ends == [9.0, 1, 0, UNPROVEN_END, -2, 9.0]
     assert [known.table[FIELDS * row + 6] for row in range(3)] == [1.0, 1.0, 0.0]
@@ -527,7 +545,7 @@ def test_a_box_begins_with_what_telling_it_from_its_middle_rounds_away(order: in
         for name in ("z", "ring", "corners", "halves"):
             getattr(work, name)[:] = [9.0] * len(getattr(work, name))
         work.counts[0] = 7.0
-        assert box.fill_box(low_x, high_x, low_v, high_v, delay, work, drift, body, WALL) == 1
+        assert box.fill_box((low_x, high_x, low_v, high_v), work, None, drift, body, WALL) == 1
         assert work.counts[0] == 0.0
         found = work.stack[: piece_size(order, delay)]
         assert [found[k] for k in (LEVEL, SAMPLE, WEIGHT, COUNT, BEFORE)] == [0.0, 0.0, 1.0, 4.0, 0.0]
@@ -548,7 +566,7 @@ def filled(low: float, high: float, pieces: int = 32, **more: float) -> list[tup
     """Last reading, lower and upper end, and share of each piece of a box that virtual damping remembers."""
     work, drift = small_room(1, pieces=pieces), DRIFT
     wall = wall_of(**({"damping": 0.25} | more))
-    total = box.fill_box(low, high, -0.5, 1.5, 1, work, drift, BODY, wall)
+    total = box.fill_box((low, high, -0.5, 1.5), work, None, drift, BODY, wall)
     if total < 0:
         return total
     found = []
@@ -597,7 +615,9 @@ def test_single_states_are_followed_and_counted(monkeypatch: pytest.MonkeyPatch)
     def begin(law: Any, level: float, ring: list[float]) -> None:
         ring[:] = [level] * len(ring)
 
-    def seek(z: list[float], before: float, ring: list[float], head: int, *more: Any) -> tuple[int, int]:
+    def seek(centre: Centre, scope: Scope, cell: Cell) -> tuple[int, int]:
+        z, before, ring, head = centre[:4]
+        more = scope.budget - int(centre.sample), scope.limit, *cell[1:]
         told.append((list(z), before, list(ring), head, more))
         return rows[len(told) - 1], 10 ** len(told)
 
@@ -607,7 +627,8 @@ def test_single_states_are_followed_and_counted(monkeypatch: pytest.MonkeyPatch)
     known: Any = SimpleNamespace(law=SimpleNamespace(watch=wall_of()), table=[0.0] * (FIELDS * 4))
     place = SimpleNamespace(own_z=[7.0, 7.0, 7.0], own_ring=[0.0, 0.0])
     starts, ends = [-1.5, 0.5, -2.5, 0.25, 3.5, 0.0, -7.5, 1.0, 0.5, -1.0, -9.5, 2.0], [9] * 6
-    found = box.sample_with_law(starts, 1, 5, None, 1000, 77.0, ends, place, drift_of(-4.0), known, body, "wall")
+    scope, cell = Scope(1000, 0, 64, 77.0, fine=True), Cell(drift_of(-4.0), known, body, "wall")
+    found = box.sample_with_law(starts, 1, 5, ends, scope, place, cell)
     assert found == (10 + 100 + 1000 + 10000, 2)
     assert ends == [9, 1, -1, 0, FULL, 9]
     assert [one[:4] for one in told] == [

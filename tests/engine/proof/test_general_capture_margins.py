@@ -3,7 +3,7 @@
 import random
 from fractions import Fraction
 from math import inf, nextafter
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -14,8 +14,10 @@ from hknob_cli.engine.general.controller import Controller, command, inside, rea
 from hknob_cli.engine.general.interval import advance, hold
 from hknob_cli.engine.general.search import make_space
 from hknob_cli.engine.general.sets import ball, known
+from hknob_cli.engine.general.sets.cell import Cell, Centre
 from hknob_cli.engine.general.sets.drift import Drift
 from hknob_cli.engine.general.sets.ends import Known, make_known
+from hknob_cli.engine.general.sets.scope import Scope
 from hknob_cli.scene.general_knob import GeneralKnob, make_body
 from hknob_cli.specs.plan import Bias, Hand, Knob, Scene, Wall
 from tests.engine.general.sets.cells import cell
@@ -52,6 +54,15 @@ def room(delay: int = 0, order: int = 2) -> Known:
 BODY = body_of(1.0, 4.0, 1.0)  # distance: the root of x^2 + v^2 / 4; a norm of 1 is half a count
 RESTS = body_of(1.0, 1.0, 1.5)  # level -1 rests at -0.5
 SOFT = body_of(0.3, 0.04, 0.3)
+
+
+def seek(
+    z: list[float], before: float, ring: list[float], head: int, budget: int, limit: float, ends: Known, body: Body,
+    wall: Controller,
+) -> tuple[int, int]:  # fmt: skip
+    """What a trial ends in that may take all of the budget."""
+    scope = Scope(budget, 0, 0, limit, fine=True)
+    return known.seek(Centre(z, before, ring, head, 0.0, 0.0, 0.0, 1.0), scope, Cell(DRIFT, ends, body, wall))
 
 
 # What captures a ball.
@@ -198,7 +209,7 @@ def settled(kind: str) -> tuple[GeneralKnob, Known, list[float], float, list[flo
     one = cell(kind)
     n, delay, ends = one.body.order, one.delay_line, room(one.delay_line, one.body.order)
     start, ring = one.start(0.02, 0.0), zeros(delay)
-    row, _ = known.seek(start, read(start[0], one.wall), ring, 0, 200_000, 1e9, ends, one.body, one.wall)
+    row, _ = seek(start, read(start[0], one.wall), ring, 0, 200_000, 1e9, ends, one.body, one.wall)
     assert (row, ends.table[0], start, ring) == (0, CYCLE_PROVEN, one.start(0.02, 0.0), zeros(delay))
     return one, ends, list(ends.states[:n]), ends.table[9], list(ends.lines[:delay])
 
@@ -293,20 +304,20 @@ def test_a_trial_is_sought_from_where_it_is_and_left_alone(kind: str) -> None:
     delay = one.delay_line
     ring = [line[(k - 1) % delay] for k in range(delay)]
     given = list(z), list(ring)
-    row, used = known.seek(z, before, ring, 1 % max(1, delay), 10_000, 1e9, ends, one.body, one.wall)
+    row, used = seek(z, before, ring, 1 % max(1, delay), 10_000, 1e9, ends, one.body, one.wall)
     assert (row, ends.counts[0]) == (0, 1.0)
     assert (z, ring) == given
     assert used <= ends.table[1] + 1
     far = [1e9, *zeros(one.body.order - 1)]
-    row, used = known.seek(far, 0.0, zeros(delay), 0, 10_000, 1e6, ends, one.body, one.wall)
+    row, used = seek(far, 0.0, zeros(delay), 0, 10_000, 1e6, ends, one.body, one.wall)
     assert (ends.table[FIELDS * row], row, used <= 2) == (GREW, 1, True)
-    row, used = known.seek(one.start(0.02, 0.0), 0.0, zeros(delay), 0, 3, 1e9, room(delay, one.body.order), *one[:2])
+    row, used = seek(one.start(0.02, 0.0), 0.0, zeros(delay), 0, 3, 1e9, room(delay, one.body.order), *one[:2])
     assert row == known.UNPROVEN_END
 
 
 def test_a_trial_that_comes_to_rest_is_entered() -> None:
     ends = room()
-    row, used = known.seek([-0.4, 0.0], 0.0, [], 0, 1000, 1e9, ends, RESTS, wall_of())
+    row, used = seek([-0.4, 0.0], 0.0, [], 0, 1000, 1e9, ends, RESTS, wall_of())
     assert (row, ends.table[:2], ends.counts[0]) == (0, [REST_PROVEN, 1], 1.0)
     assert used < 1000
 
@@ -314,13 +325,32 @@ def test_a_trial_that_comes_to_rest_is_entered() -> None:
 # A ball.
 
 
-def follow(z: list[float], samples: int, **more: Any) -> tuple:
+class Followed(NamedTuple):
+    """What becomes of a ball: what `ball.follow_ball` returns, its centre taken apart."""
+
+    event: int
+    row: int
+    before: float
+    head: int
+    error: float
+    level: float
+    run: int
+    next_test: int
+    used: int
+
+
+def follow(z: list[float], samples: int, **more: Any) -> Followed:
     body, wall, ring = more.get("body", SOFT), more.get("wall", wall_of(0.5)), more.get("ring", [])
     level = more.get("level", min(0.0, read(z[0], wall)))
     ends = more.get("ends") or room(len(ring), body.order)
-    given = more.get("radius", 0.0), more.get("error", 0.0), level, more.get("run", 0), more.get("next_test", 8)
-    rest = samples, more.get("limit", 1e6), more.get("small", False), more.get("drift", DRIFT), ends, body, wall
-    return ball.follow_ball(z, more.get("before", 0.0), ring, more.get("head", 0), *given, *rest)
+    start = Centre(z, more.get("before", 0.0), ring, more.get("head", 0), more.get("error", 0.0), level, 7.0, 0.25)
+    given = more.get("radius", 0.0), more.get("run", 0), more.get("next_test", 8)
+    rest = samples, more.get("limit", 1e6), more.get("small", False), Cell(more.get("drift", DRIFT), ends, body, wall)
+    event, row, end, run, next_test = ball.follow_ball(start, *given, *rest)
+    assert (end.z is z, end.ring is ring, end.weight) == (True, True, 0.25)
+    return Followed(
+        event, row, end.before, end.head, end.error, end.level, run, next_test, int(end.sample - start.sample)
+    )
 
 
 def tiny(order: int) -> Drift:
@@ -381,8 +411,12 @@ def test_one_sample_of_a_set(kind: str) -> None:
         error = 1e-13 + drift.once[0] + drift.once[1] * largest
         error += sum(per * abs(value) for per, value in zip(drift.once[2:], z, strict=True))
         last, to = advance(own, before, line, head, body, wall, zeros(2 * n))
-        found = ball.step_through(None, z, before, 1e-13, level, ring, head, drift, body, wall, zeros(2 * n))
-        assert found == (last if wall.damping > 0.0 else 0.0, pytest.approx(error, rel=1e-12, abs=0.0), to)
+        centre = Centre(z, before, ring, head, 1e-13, level, 7.0, 0.25)
+        found = ball.step_through(centre, 0.0, Cell(drift, room(delay, n), body, wall), zeros(2 * n))
+        told = found.before, found.error, found.head
+        assert told == (last if wall.damping > 0.0 else 0.0, pytest.approx(error, rel=1e-12, abs=0.0), to)
+        assert (found.z is z, found.ring is ring) == (True, True)
+        assert (found.level, found.sample, found.weight) == (level, 8.0, 0.25)
         assert (z, ring) == (own, line)
 
 

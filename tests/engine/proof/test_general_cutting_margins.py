@@ -2,6 +2,8 @@
 
 import random
 from math import cos, inf, pi, sin
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ import pytest
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import norm
 from hknob_cli.engine.general.sets.ball import step_through
+from hknob_cli.engine.general.sets.cell import Cell
 from hknob_cli.engine.general.sets.drift import Drift
 from hknob_cli.engine.general.sets.lattice import CELL, KEY, MEMBERS, keep, put_box, release, slot
 from hknob_cli.engine.general.sets.parts import part
@@ -22,8 +25,8 @@ from hknob_cli.engine.general.sets.piece import (
     SPREAD,
     STATE,
     WEIGHT,
-    centre,
     clip,
+    find_middle,
     halve,
     largest_norm,
     move_corners,
@@ -34,6 +37,7 @@ from hknob_cli.engine.general.sets.piece import (
     within,
 )
 from hknob_cli.engine.general.sets.room import PieceRoom, make_piece_room
+from tests.engine.general.sets.cells import centre
 
 from .test_general_capture_margins import body_of, wall_of
 
@@ -56,6 +60,11 @@ def drift_of(bottom: float = -inf) -> Drift:
     return Drift(powers=powers, once=[0.125, 0.0, 0.0, 0.0], units=[2.0, 1.0], blur=0.0, coast=0.0, bottom=bottom)
 
 
+def cell_of(wall: Any, drift: Drift | None = None) -> Cell:
+    """Without a law and without hysteresis of its encoder."""
+    return Cell(drift or drift_of(), SimpleNamespace(law=None, turns=None), BODY, wall)
+
+
 def small_room(delay: int = 0, pieces: int = 32, slots: int = 16, order: int = 2) -> PieceRoom:
     room = make_piece_room(zeros, order, delay, lattice=slots, deep=8)
     return room._replace(stack=zeros(piece_size(order, delay) * pieces))
@@ -76,10 +85,10 @@ def test_powers_of_the_plant(samples: int) -> None:
     power_of(samples, drift_of(), 2, matrix, spare)
     exact = np.linalg.matrix_power(np.array(PHI).reshape(2, 2), samples)
     assert matrix == pytest.approx(exact.ravel().tolist(), rel=1e-12)
-    out = zeros(6)
-    move_corners([9.0, 2.0, -3.0, 1.0, 5.0], 1, 2, samples, out, 2, drift_of(), 2, matrix, spare)
+    out, room = zeros(6), SimpleNamespace(matrix=matrix, spare=spare)
+    move_corners([9.0, 2.0, -3.0, 1.0, 5.0], 1, 2, samples, out, drift_of(), 2, room)
     moved = (exact @ np.array([[2.0, 1.0], [-3.0, 5.0]])).T.ravel().tolist()
-    assert out == [0.0, 0.0, *(pytest.approx(one, rel=1e-12) for one in moved)]
+    assert out == [*(pytest.approx(one, rel=1e-12) for one in moved), 0.0, 0.0]
 
 
 def test_the_radius_is_that_of_the_farthest_corner() -> None:
@@ -133,7 +142,7 @@ def test_the_middle_of_the_box_around_a_polygon() -> None:
         ([8.0, -2.0], [8.0, -2.0]),
     ):
         middle = zeros(2)
-        centre(corners, len(corners) // 2, 2, middle)
+        find_middle(corners, len(corners) // 2, 2, middle)
         assert middle == found
 
 
@@ -142,14 +151,15 @@ def test_a_piece_is_told_from_the_middle_of_its_box_with_its_memory() -> None:
     room, out = small_room(2), zeros(piece_size(2, 2) + 1)
     corners = [1.0, 3.0, 4.0, 2.0, 5.0, 6.0, 2.0, 7.0]
     for head, line in ((0, [7.0, 8.0]), (1, [8.0, 7.0])):
-        given = [-16.0, 32.0], -5.0, line, head, 0.0, -2.0, 9.0, 0.75
-        put(out, 1, *given, corners, 4, room.middle, drift_of(), 2)
+        told = centre([-16.0, 32.0], line, -5.0, head=head, level=-2.0, sample=9.0, weight=0.75)
+        put(out, 1, told, corners, 4, room.middle, drift_of(), 2)
         found = out[1:]
         assert [found[k] for k in (BEFORE, LEVEL, SAMPLE, WEIGHT, COUNT)] == [-5.0, -2.0, 9.0, 0.75, 4.0]
         assert found[STATE : STATE + 4] == [-13.0, 36.5, 7.0, 8.0]
         assert found[STATE + 4 : STATE + 12] == [-2.0, -1.5, 1.0, -2.5, 2.0, 1.5, -1.0, 2.5]
         assert found[ERROR] == 4.0 * UNIT * (2.0 * (13.0 + 3.0) + 36.5 + 4.5)
-    put(out, 1, [0.0, 0.0], 0.0, [0.0, 0.0], 0, 1.0, 0.0, 0.0, 0.0, [-8.0, -4.0], 1, room.middle, drift_of(), 2)
+    told = centre([0.0, 0.0], [0.0, 0.0], error=1.0, weight=0.0)
+    put(out, 1, told, [-8.0, -4.0], 1, room.middle, drift_of(), 2)
     assert out[1 + ERROR] == 1.0 + 4.0 * UNIT * (2.0 * 16.0 + 8.0)
 
 
@@ -158,7 +168,8 @@ def test_a_piece_of_most_corners_fills_its_place_and_no_more(order: int, delay: 
     size, middle = piece_size(order, delay), zeros(order)
     out, drift = zeros(size + 9), drift_of()._replace(units=[1.0] * order)
     corners = [2.0**k + j for k in range(CORNERS) for j in range(order)]
-    put(out, 0, [1e9] * order, 1.0, [1.0] * delay, 0, 1.0, 1.0, 1.0, 1.0, corners, CORNERS, middle, drift, order)
+    told = centre([1e9] * order, [1.0] * delay, 1.0, error=1.0, level=1.0, sample=1.0)
+    put(out, 0, told, corners, CORNERS, middle, drift, order)
     assert all(number or k == SPREAD for k, number in enumerate(out[:size]))
     assert not any(out[size:])
 
@@ -166,20 +177,20 @@ def test_a_piece_of_most_corners_fills_its_place_and_no_more(order: int, delay: 
 @pytest.mark.parametrize("delay", [0, 2])
 def test_a_piece_goes_on_one_sample_later_as_its_level(delay: int) -> None:
     """Its middle as a trial, with the rounding of that sample; its corners by the plant, from that middle."""
-    wall, drift = wall_of(0.5), drift_of()
+    cell = cell_of(wall_of(0.5))
     room, ring = small_room(delay), [1.0, 2.0][:delay]
     z, given = [3.0, -1.0], list(ring)
     corners = [value + shift for value, shift in zip(SQUARE, [0.5, 0.25] * 4, strict=True)]
     head = 1 if delay else 0
-    more = 0.25, -2.0, 7.0, 0.5, corners, 4, drift, BODY, wall
-    assert move_piece(room, 2, z, -1.0, ring, head, *more) == 3
+    told = centre(z, ring, -1.0, head=head, error=0.25, level=-2.0, sample=7.0, weight=0.5)
+    assert move_piece(room, 2, told, corners, 4, 0.0, cell) == 3
     assert (z, ring) == ([3.0, -1.0], given)
     found = waiting(room, 2, delay)
     state, line = [3.5, -0.75], [ring[(head + k) % 2] for k in range(delay)]
-    before, _, to = step_through(None, state, -1.0, 0.25, -2.0, line, 0, drift, BODY, wall, zeros(4))
+    one = step_through(centre(state, line, -1.0, error=0.25, level=-2.0), 0.0, cell, zeros(4))
     assert found[STATE : STATE + 2] == state
-    assert found[STATE + 2 : STATE + 2 + delay] == [line[(to + k) % 2] for k in range(delay)]
-    assert [found[k] for k in (BEFORE, LEVEL, SAMPLE, WEIGHT, COUNT)] == [before, -2.0, 8.0, 0.5, 4.0]
+    assert found[STATE + 2 : STATE + 2 + delay] == [line[(one.head + k) % 2] for k in range(delay)]
+    assert [found[k] for k in (BEFORE, LEVEL, SAMPLE, WEIGHT, COUNT)] == [one.before, -2.0, 8.0, 0.5, 4.0]
     assert found[ERROR] == 0.375 + 4.0 * UNIT * (2.0 * 4.0 + 1.0)
     moved = [(dx + 0.5 * dv, -0.25 * dx + 0.75 * dv) for dx, dv in zip(SQUARE[::2], SQUARE[1::2], strict=True)]
     first = STATE + 2 + delay
@@ -188,9 +199,9 @@ def test_a_piece_goes_on_one_sample_later_as_its_level(delay: int) -> None:
 
 @pytest.mark.parametrize("delay", [0, 1])
 def test_a_part_keeps_the_last_reading_where_it_is_remembered(delay: int) -> None:
-    damped = wall_of(0.5, damping=0.25)
+    cell = cell_of(wall_of(0.5, damping=0.25))
     room = small_room(delay)
-    move_piece(room, 0, [-1.5, 0.0], -4.0, [0.0] * delay, 0, 0.0, -2.0, 0.0, 1.0, SQUARE, 4, drift_of(), BODY, damped)
+    move_piece(room, 0, centre([-1.5, 0.0], [0.0] * delay, -4.0, level=-2.0), SQUARE, 4, 0.0, cell)
     assert waiting(room, 0, delay)[BEFORE] == -2.0
 
 
@@ -225,6 +236,13 @@ def test_both_halves_are_the_whole() -> None:
         assert len(one & other) == 2
 
 
+def parted(room: PieceRoom, at: int, x: float, corners: list[float], span: tuple[float, float], **more: Any) -> int:
+    """How many pieces wait when one around ``x``, of these readings, is parted."""
+    reach, cell = more.pop("reach", 0.0), cell_of(more.pop("wall", wall_of()), more.pop("drift", None))
+    room.corners[: len(corners)] = corners
+    return part(room, at, centre([x, 0.0], [], **more), len(corners) // 2, *span, reach, cell)
+
+
 def parts(room: PieceRoom, first: int, total: int, delay: int = 0) -> list[tuple[float, float, float]]:
     """Level, width and height before the move of pieces that wait; rounded."""
     back = np.linalg.inv(np.array(PHI).reshape(2, 2))
@@ -241,10 +259,10 @@ def parts(room: PieceRoom, first: int, total: int, delay: int = 0) -> list[tuple
 @pytest.mark.parametrize("reach", [0.0, 0.0625])
 def test_parts_reach_beyond_their_edges_by_what_they_must(reach: float) -> None:
     """Readings -2 to 0 of a rectangle from -1.75 to 0.75, and no part of reading -3."""
-    room, wall = small_room(), wall_of()
+    room, cell = small_room(), cell_of(wall_of())
     rectangle = [-1.0, -0.5, 1.5, -0.5, 1.5, 0.5, -1.0, 0.5]
-    given = [-0.75, 0.0], 0.0, [], 0, 0.25, reach, 3.0, 0.5, rectangle, 4
-    assert part(room, 1, *given, -3.0, 0.0, drift_of(), BODY, wall) == 4
+    more = {"error": 0.25, "reach": reach, "sample": 3.0, "weight": 0.5}
+    assert parted(room, 1, -0.75, rectangle, (-3.0, 0.0), **more) == 4
     assert parts(room, 1, 4) == [
         (-2.0, 0.75 + reach, 1.0),
         (-1.0, 1.0 + 2.0 * reach, 1.0),
@@ -254,19 +272,18 @@ def test_parts_reach_beyond_their_edges_by_what_they_must(reach: float) -> None:
         [(-2.0, -1.75, -1.0 + reach), (-1.0, -1.0 - reach, reach), (0.0, -reach, 0.75)], 1
     ):
         found, state = waiting(room, at), [0.5 * (low + high), 0.0]
-        _, error, _ = step_through(None, state, 0.0, 0.25, level, [], 0, drift_of(), BODY, wall, zeros(4))
+        error = step_through(centre(state, [], error=0.25, level=level), 0.0, cell, zeros(4)).error
         assert (found[SAMPLE], found[WEIGHT], found[COUNT]) == (4.0, 0.5, 4.0)
         assert found[STATE : STATE + 2] == pytest.approx(state, abs=1e-14)
         assert found[ERROR] == pytest.approx(error, rel=1e-9)
     # With saturation all below an edge act alike, and are one part.
-    assert part(room, 0, *given, -1.0, 0.0, drift_of(-1.0), BODY, wall) == 2
+    assert parted(room, 0, -0.75, rectangle, (-1.0, 0.0), drift=drift_of(-1.0), **more) == 2
     assert parts(room, 0, 2) == [(-1.0, 1.75 + reach, 1.0), (0.0, 0.75 + reach, 1.0)]
 
 
 def test_a_single_state_is_in_the_part_of_its_reading_alone() -> None:
     room = small_room()
-    given = [-1.5, 0.0], 0.0, [], 0, 0.0, 0.0, 0.0, 1.0, [0.0, 0.0], 1, -3.0, -1.0
-    assert part(room, 0, *given, drift_of(), BODY, wall_of()) == 1
+    assert parted(room, 0, -1.5, [0.0, 0.0], (-3.0, -1.0)) == 1
     assert (waiting(room, 0)[LEVEL], waiting(room, 0)[COUNT]) == (-2.0, 1.0)
     assert within(room, [0.5, 0.0], 1, -1.0, 0.0, 2) == 0
     assert within(room, [0.5, 0.0], 1, -1.0, 1.0, 2) == 1
@@ -276,8 +293,7 @@ def test_there_is_room_for_two_parts_of_each_reading_or_none_is_made() -> None:
     """Three readings: six places."""
     for places, first, found in ((6, 0, 3), (5, 0, -1), (7, 1, 4), (6, 1, -1)):
         room = small_room(pieces=places)
-        given = [-1.0, 0.0], 0.0, [], 0, 0.0, 0.0, 0.0, 1.0, SQUARE, 4, -2.0, 0.0
-        assert part(room, first, *given, drift_of(), BODY, wall_of()) == found
+        assert parted(room, first, -1.0, SQUARE, (-2.0, 0.0)) == found
 
 
 @pytest.mark.parametrize(
@@ -289,8 +305,7 @@ def test_a_part_with_more_corners_than_are_kept_goes_on_in_halves(
     """One corner of 16 beyond each edge makes 18, one beyond one edge 17. The halves are the whole."""
     room = small_room()
     ring = [c for k in range(16) for c in (radius * cos(k * pi / 8), 0.5 * radius * sin(k * pi / 8))]
-    given = [middle, 0.0], 0.0, [], 0, 0.25, 0.0, 7.0, 0.5, ring, 16, -2.0, 0.0
-    total = part(room, 3, *given, drift_of(), BODY, wall_of())
+    total = parted(room, 3, middle, ring, (-2.0, 0.0), error=0.25, sample=7.0, weight=0.5)
     found = [waiting(room, k) for k in range(3, total)]
     inside = [one for one in found if one[LEVEL] == -1.0]
     assert sorted(one[COUNT] for one in inside) == sizes
@@ -334,8 +349,8 @@ def test_every_cell_of_the_lattice_is_found_again(delay: int) -> None:
 
 def kept(room: PieceRoom, x: float, v: float, before: float = 0.0, ring: tuple[float, ...] = (), head: int = 0) -> bool:
     corners = [-0.125, 0.0, 0.125, 0.0, 0.0, 0.0625]
-    given = 0.0, -1.0, 5.0, 0.5, corners, 3, 2.0, drift_of(), BODY
-    return keep(room, [x, v], before, list(ring), head, *given)
+    told = centre([x, v], list(ring), before, head=head, level=-1.0, sample=5.0, weight=0.5)
+    return keep(room, told, corners, 3, 2.0, drift_of(), BODY)
 
 
 def test_a_cell_is_as_wide_as_the_lattice_and_velocities_count_by_the_norm() -> None:
@@ -391,7 +406,7 @@ def test_a_merged_rectangle_holds_its_members_with_their_errors_and_roundings(si
     pair = [-1.0, -2.0, 1.0, 1.5], [0.0, 0.0, -0.5, 0.25]
     for k, (error, corners) in enumerate(zip((0.25, 0.5), pair, strict=True)):
         z = [sign * (1024.0 + k), sign * (512.0 + k)]
-        assert keep(room, z, 0.0, [], 0, error, -7.0, 9.0, 1.0, corners, 2, *rest)
+        assert keep(room, centre(z, [], error=error, level=-7.0, sample=9.0), corners, 2, *rest)
     assert release(room, 2, 0, drift_of()) == 3
     found = waiting(room, 2)
     low_x = min(sign * 1024.0 - 1.0 - (0.125 + 4096.0 * UNIT), sign * 1025.0 - 0.5 - (0.25 + 4100.0 * UNIT))
@@ -407,9 +422,9 @@ def test_a_merged_rectangle_holds_its_members_with_their_errors_and_roundings(si
 
 
 def test_a_rectangle_around_zero_counts_both_its_sides() -> None:
-    room, rest = small_room(), (8.0, drift_of(), BODY)
-    assert keep(room, [0.5, 0.25], 0.0, [], 0, 0.0, 0.0, 0.0, 1.0, [-3.5, -1.25, 0.5, 0.75], 2, *rest)
-    assert keep(room, [0.5, 0.25], 0.0, [], 0, 0.0, 0.0, 0.0, 1.0, [0.0, 0.0], 1, *rest)
+    room, rest, told = small_room(), (8.0, drift_of(), BODY), centre([0.5, 0.25], [])
+    assert keep(room, told, [-3.5, -1.25, 0.5, 0.75], 2, *rest)
+    assert keep(room, told, [0.0, 0.0], 1, *rest)
     assert release(room, 0, 0, drift_of()) == 1
     assert waiting(room, 0)[ERROR] == pytest.approx(4.0 * UNIT * (2.0 * (3.0 + 1.0) + 1.0 + 1.0), rel=1e-12)
 
@@ -425,8 +440,9 @@ def test_one_alone_goes_on_as_it_is(delay: int) -> None:
     """A cell that was used before counts its members anew."""
     room, ring = small_room(delay), [1.0, 2.0][:delay]
     before = zeros(piece_size(2, delay))
+    told = centre([3.0, 0.2], ring, -4.0, error=1e-9, level=-1.0, sample=5.0, weight=0.5)
     for _ in range(2):
-        assert keep(room, [3.0, 0.2], -4.0, ring, 0, 1e-9, -1.0, 5.0, 0.5, SQUARE, 4, 100.0, drift_of(), BODY)
-        put(before, 0, [3.0, 0.2], -4.0, ring, 0, 1e-9, -1.0, 5.0, 0.5, SQUARE, 4, room.middle, drift_of(), 2)
+        assert keep(room, told, SQUARE, 4, 100.0, drift_of(), BODY)
+        put(before, 0, told, SQUARE, 4, room.middle, drift_of(), 2)
         assert release(room, 4, delay, drift_of()) == 5
         assert waiting(room, 4, delay) == before

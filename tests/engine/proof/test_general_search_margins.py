@@ -10,9 +10,10 @@ import pytest
 
 from hknob_cli.engine.attractors import Attractor, Patience, Search, StoppedError, whole
 from hknob_cli.engine.certificate import EPSILON
-from hknob_cli.engine.general.sets import arc, box, lattice, search
+from hknob_cli.engine.general.sets import arc, box, cell, lattice, search
 from hknob_cli.engine.general.sets.arc_parts import HIGH, LOW, arc_size
 from hknob_cli.engine.general.sets.drift import Drift
+from hknob_cli.engine.general.sets.ends import make_known
 from hknob_cli.engine.general.sets.piece import STATE, WEIGHT, piece_size
 from hknob_cli.engine.general.sets.room import CELLS
 from hknob_cli.engine.general.sets.scope import LONGEST, Scope
@@ -24,6 +25,7 @@ from hknob_cli.engine.sets.search import GENERATIONS, SAMPLED, SEEN, SLICE, WIDE
 
 BODY: Any = SimpleNamespace(order=2, reach=2.0, halt=[0.0])
 WALL: Any = "wall"
+KNOWN: Any = SimpleNamespace(turns="turns")
 SCOPE = Scope(budget=1000, skip=4, patience=64, limit=1e6, fine=True)
 RATE = 0.125
 
@@ -51,8 +53,8 @@ class Engine(GeneralSetEngine):
         return 100
 
     def ready(self, body: Any, wall: Any, delay_line: int) -> Any:
-        assert (body, delay_line) == (BODY, 1)
-        return body, "drift", "known"
+        assert (body, wall, delay_line) == (BODY, WALL, 1)
+        return cell.Cell("drift", KNOWN, body, wall if self.compiled else ["list of", wall])
 
 
 class Cell:
@@ -69,7 +71,6 @@ class Cell:
         patch.setattr(search, "Alarm", lambda _seconds, halt: self if halt is BODY.halt else None)
         patch.setattr(search, "ends_of", lambda known, order, delay: self.ends(known, order, delay, found))
         patch.setattr(search, "why_not", lambda known: Reason.TOO_MANY)
-        patch.setattr(search, "with_turns", lambda room, *_: room)
         if plain:
             for name, function in names.items():
                 patch.setattr(arc if "arcs" in name else lattice if name == "release" else box, name, function)
@@ -77,7 +78,7 @@ class Cell:
         self.engine = Engine(functions, lambda: stops)
 
     def ends(self, known: Any, order: int, delay: int, found: Any) -> list[Attractor]:
-        assert (known, order, delay) == ("known", 2, 1)
+        assert (known, order, delay) == (KNOWN, 2, 1)
         return list(found)
 
     def __enter__(self) -> Any:
@@ -101,18 +102,18 @@ class Arcs(Cell):
         super().__init__(patch, {"fill_arcs": self.fill, "follow_arcs": self.follow}, **more)
         self.script, self.arcs = list(script), arcs
 
-    def fill(self, begin: Any, delay: int, room: Any, drift: Any, body: Any) -> float:
+    def fill(self, begin: Any, room: Any, drift: Any, body: Any) -> float:
         assert type(begin) is (np.ndarray if self.engine.compiled else list)
-        assert (list(begin), delay, drift, body) == ([2.0, 0.5], 1, "drift", BODY)
+        assert (list(begin), len(room.own_ring), drift, body) == ([2.0, 0.5], 1, "drift", BODY)
         size = arc_size(2, 1)
         for k, (low, high) in enumerate(self.arcs):
             room.stack[k * size + LOW], room.stack[k * size + HIGH] = low, high
         return 0.125
 
     def follow(self, waiting: int, *given: Any) -> tuple[int, float]:
-        *numbers, totals, _, drift, known, body, wall = given
-        assert numbers == [1, 0.125, 1000, 64, 1e6, SLICE]
-        assert (drift, known, body, wall, len(totals)) == ("drift", "known", BODY, self.wall, 4)
+        slack, samples, totals, scope, room, its = given
+        assert (len(room.own_ring), slack, samples, scope) == (1, 0.125, SLICE, SCOPE)
+        assert (its, len(totals)) == (("drift", KNOWN, BODY, self.wall), 4)
         if not self.asked:
             assert list(totals) == [0.0, 0.0, 1.0, 0.0]
         self.asked.append(waiting)
@@ -239,36 +240,33 @@ class Boxes(Cell):
             stack[k * SIZE + WEIGHT] = 0.0625 * 2.0**k
             singles[k * SIZE + WEIGHT] = 0.015625 * 2.0**k
         self.room: Any = SimpleNamespace(counts=[0.0], stack=stack, singles=singles, taken=[3.0, 0.0, 2.0], scale=[0.0])
-        patch.setattr(search, "hash_scale", lambda wall: 3.0 if wall == self.wall else 0.0)
+        patch.setattr(search, "hash_scale", lambda wall: 3.0 if wall == WALL else 0.0)
         patch.setattr(self.engine, "room", lambda body, delay: self.room if (body, delay) == (BODY, 1) else None)
 
     @property
     def over(self) -> bool:
         return len(self.slices) >= self.sampled or len(self.asked) >= self.calls
 
-    def is_cell(self, *cell: Any) -> bool:
-        return cell == ("drift", "known", BODY, self.wall) and self.room.scale == [3.0]
+    def is_cell(self, its: Any) -> bool:
+        return bool(its == ("drift", KNOWN, BODY, self.wall) and self.room.scale == [3.0])
 
-    def sample_box(
-        self, starts: Any, first: int, stop: int, skip: int, budget: int, limit: float, ends: Any, room: Any, *cell: Any
-    ) -> Any:
+    def sample_box(self, starts: Any, first: int, stop: int, ends: Any, scope: Any, room: Any, its: Any) -> Any:
         assert first < stop <= SAMPLED
         assert isinstance(stop, int)
-        assert (skip, budget, limit, room) == (self.scope.skip, 1000, 1e6, self.room)
-        assert self.is_cell(*cell)
+        assert (scope, room) == (self.scope, self.room)
+        assert self.is_cell(its)
         assert (len(starts), len(ends)) == (2 * SAMPLED, SAMPLED)
         self.starts = starts
         self.slices.append((first, stop))
         return self.samples.pop(0) if len(self.samples) > 1 else self.samples[0]
 
     def fill_box(self, *given: Any) -> float:
-        assert given == (*BOX, 1, self.room, "drift", BODY, self.wall)
+        assert given == (BOX, self.room, "turns", "drift", BODY, self.wall)
         return float(self.filled)
 
-    def follow_generation(self, room: Any, waiting: int, delay: int, width: float, *given: Any) -> Any:
-        *numbers, drift, known, body, wall = given
-        assert (room, delay, numbers) == (self.room, 1, [64, 1000, 1e6, SLICE])
-        assert self.is_cell(drift, known, body, wall)
+    def follow_generation(self, room: Any, waiting: int, width: float, samples: int, scope: Any, its: Any) -> Any:
+        assert (room, samples, scope) == (self.room, SLICE, self.scope)
+        assert self.is_cell(its)
         self.widths.append(width)
         self.asked.append(("follow", waiting))
         *found, kept = self.polygons.pop(0)
@@ -282,7 +280,9 @@ class Boxes(Cell):
         return float(self.released.pop(0))
 
     def seek_some(self, room: Any, waiting: int, *given: Any) -> int:
-        assert (room, given) == (self.room, (1, SEEN, 1000, 1e6, "known", BODY, self.wall))
+        some, scope, its = given
+        assert (room, some, scope) == (self.room, SEEN, self.scope)
+        assert self.is_cell(its)
         self.asked.append(("seek", waiting))
         return self.sought
 
@@ -495,13 +495,16 @@ def test_functions_and_room_are_compiled_or_plain(monkeypatch: pytest.MonkeyPatc
 def test_lists_are_arrays_where_it_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
     drift = Drift(powers=[1.0], once=[2.0], units=[3.0], blur=4.0, coast=5.0, bottom=-inf)
     monkeypatch.setattr(search, "make_drift", lambda *_: drift)
-    monkeypatch.setattr(search, "make_known", lambda *_: "known")
+    ends: Any = make_known(lambda _: [], 2, 1, "space")  # type: ignore[arg-type]
+    monkeypatch.setattr(search, "make_known", lambda *_: ends)
     monkeypatch.setattr(search, "make_space", lambda *_: "space")
-    monkeypatch.setattr(search, "with_turns", lambda room, *_: room)
+    monkeypatch.setattr(search, "make_turn_room", lambda *_: "turns")
     monkeypatch.setattr(search, "as_arrays", lambda body: ["arrays of", body])
-    assert GeneralSetEngine().ready(BODY, WALL, 1) == (BODY, drift, "known")
-    body, told, known = GeneralSetEngine({"x": len}).ready(BODY, WALL, 1)
-    assert (body, known) == (["arrays of", BODY], "known")
+    monkeypatch.setattr(search, "as_list", lambda wall: ["list of", wall])
+    right = ends._replace(turns="turns")
+    assert GeneralSetEngine().ready(BODY, WALL, 1) == (drift, right, BODY, ["list of", WALL])
+    told, known, body, wall = GeneralSetEngine({"x": len}).ready(BODY, WALL, 1)
+    assert (body, known, wall) == (["arrays of", BODY], right, WALL)
     assert [type(value) for value in told] == [np.ndarray] * 3 + [float] * 3
     assert GeneralSetEngine(patience=Patience(samples=3)).patience.samples == 3
     assert STATE < SIZE

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from hknob_cli.engine.certificate import EPSILON
+from hknob_cli.engine.general.sets.cell import Centre
 from hknob_cli.engine.general.sets.drift import Drift
 from hknob_cli.engine.general.sets.lattice import keep, late_cell, release
 from hknob_cli.engine.general.sets.piece import ERROR, SPREAD, STATE, WEIGHT, piece_size
@@ -31,7 +32,8 @@ def room_of() -> PieceRoom:
 def kept(room: PieceRoom, a: float, *, error: float = 0.0, spread: float = 0.0) -> None:
     """A piece at (4, 2), whose torque is ``a`` and differs by ``spread``."""
     room.own[SPREAD] = spread
-    assert keep(room, [4.0, 2.0, a], 0.0, [], 0, error, -1.0, 7.0, 0.25, SQUARE, 4, WIDTH, DRIFT, BODY)
+    centre = Centre([4.0, 2.0, a], 0.0, [], 0, error, -1.0, 7.0, 0.25)
+    assert keep(room, centre, SQUARE, 4, WIDTH, DRIFT, BODY)
 
 
 def test_torques_that_lag_are_parted_by_what_they_can_still_add() -> None:
@@ -91,6 +93,7 @@ def test_without_a_lag_no_torques_differ() -> None:
     plain: Any = SimpleNamespace(order=2, reach=2.0, lag=0.0)
     room.scale[0], room.stack[SPREAD] = 1.0, 9.0
     for x in (4.0, 5.0):
-        assert keep(room, [x, 2.0], 0.0, [], 0, 0.0, -1.0, 7.0, 0.25, SQUARE, 4, WIDTH, DRIFT, plain)
+        centre = Centre([x, 2.0], 0.0, [], 0, 0.0, -1.0, 7.0, 0.25)
+        assert keep(room, centre, SQUARE, 4, WIDTH, DRIFT, plain)
     assert release(room, 0, 0, DRIFT) == 1
     assert room.stack[SPREAD] == 0.0

@@ -12,7 +12,7 @@ from hknob_cli.engine.general.sets.lagged_step import DEEPEST, LAGS, LATER, LEFT
 from hknob_cli.engine.general.sets.piece import ERROR, SPREAD, STATE, piece_size
 from hknob_cli.engine.general.sets.room import make_piece_room
 
-from .friction_work import SQUARE, body_of, drift_of, wall_of, work_of, zeros
+from .friction_work import SQUARE, body_of, cell_of, centre_of, drift_of, wall_of, work_of, zeros
 
 BODY = body_of(friction=1.0)
 BODY.order, BODY.lag = 3, 0.5
@@ -64,7 +64,7 @@ def test_a_part_is_looked_up_by_its_length_and_its_halvings(monkeypatch: pytest.
         one = Lagged(monkeypatch)
         one.work.torques[:] = [3.0, 4.0]
         one.work.acts[:] = [-4.0, 0.25, float(depth)]
-        found = move_over_part(one.work.lags, one.work, part, 1.0, 2.0, 4, 0.125, BODY)
+        found = move_over_part(one.work, (part, 1.0, 2.0, 1.0), 4, 0.125, BODY)
         assert found == (SLID, 2.0, 2.0, -2.0, 4)
         assert one.asked == [(-4.0, 0.25, u, mark, depth, depth < DEEPEST)]
         assert len(one.work.course) == 2 * LEG
@@ -78,10 +78,9 @@ class Moved:
         room.own[SPREAD] = 0.25
         one.work.acts[:] = [9.0, 9.0, 9.0]
         drift = drift_of((0.5, 0.25, 0.125, 0.0625, 0.03125), blur=0.015625)
-        self.waiting = move_piece(
-            room, one.work, 0, [-1.5, 16.0, a], 0.0, [], 0, 1.0, -2.0, 5.0, 1.0, list(SQUARE), 4, drift, body,
-            wall_of(),
-        )  # fmt: skip
+        room.corners[: len(SQUARE)] = SQUARE
+        told = centre_of([-1.5, 16.0, a], [], error=1.0, level=-2.0, sample=5.0)
+        self.waiting = move_piece(room, one.work, 0, told, 4, cell_of(body, drift, wall_of()))
         piece = room.stack[:SIZE]
         self.state, self.error, self.spread = piece[STATE : STATE + 3], piece[ERROR], piece[SPREAD]
         self.told = 1.0 + 0.5 + 0.25 * 2.0 + 0.125 * 1.5 + 0.0625 * 16.0 + 0.015625 * widest(SQUARE, 4, body)
@@ -148,8 +147,8 @@ def test_a_look_is_at_the_end_of_a_whole_part(monkeypatch: pytest.MonkeyPatch) -
     """Not at that of a half."""
     looked: list[Any] = []
 
-    def look(room: Any, work: Any, at: int, part: float, *given: Any) -> int:
-        looked.append((part, given[5]))
+    def look(room: Any, work: Any, at: int, place: tuple[float, ...], *given: Any) -> int:
+        looked.append(place)
         return -1
 
     monkeypatch.setattr(friction_piece, "look_at_set", look)

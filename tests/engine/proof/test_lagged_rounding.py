@@ -14,6 +14,7 @@ from hknob_cli.engine.general.sets.piece import COUNT, ERROR, STATE, piece_size
 from hknob_cli.engine.general.sets.room import make_piece_room
 from tests.engine.general.sets.test_friction_step import body_of
 
+from .friction_work import cell_of, centre_of
 from .orbits import DIGITS
 from .test_friction_rounding import apart, wall_of, zeros
 
@@ -97,7 +98,8 @@ def test_a_state_is_moved_to_within_the_bound(count: int) -> None:
         for _ in range(count):
             body, wall, z, level = random_case(chance)
             drift, work = friction_drift(body, wall), make_friction_room(zeros, list, 0, body, wall)
-            waiting = move_piece(room, work, 0, z, 0.0, [], 0, 0.0, level, 0.0, 1.0, [0.0, 0.0], 1, drift, body, wall)
+            room.corners[:2] = [0.0, 0.0]
+            waiting = move_piece(room, work, 0, centre_of(z, [], level=level), 1, cell_of(body, drift, wall))
             x, v, a = exact((mp.mpf(z[0]), mp.mpf(z[1]), mp.mpf(z[2])), mp.mpf(-wall.kappa * level), body)
             stopped += v == 0
             for k in range(waiting):

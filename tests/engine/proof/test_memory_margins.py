@@ -9,6 +9,7 @@ import pytest
 from hknob_cli.engine.budget import TrialBudget
 from hknob_cli.engine.certificate import DIFFERENT, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.general.sets import memory
+from hknob_cli.engine.general.sets.friction_room import make_friction_room
 
 from .test_law_trial_margins import law_of
 from .test_standstill_margins import WALL, body
@@ -57,9 +58,10 @@ def test_a_sum_must_be_the_same_or_within_the_room_in_which_it_decides_nothing()
 
 
 def test_looks_into_an_interval_are_those_of_a_law() -> None:
-    """They are remembered after the last reading."""
-    assert (memory.looks_of(None), memory.first_look(None)) == (0, 0)
-    assert (memory.looks_of(law(looks=3)), memory.first_look(law(looks=3))) == (3, 3)
+    """They are remembered after the last reading. The room for what a set has seen says how many there are."""
+    for chosen, looks, first in ((None, 0, 0), (law(looks=3, pieces=0, sched=[]), 3, 3)):
+        work = make_friction_room(lambda count: [0.0] * count, list, 0, body(), WALL, chosen)
+        assert (len(work.seen), memory.first_look(chosen)) == (looks, first)
 
 
 def test_what_is_counted_is_told_apart_by_what_a_law_keeps(monkeypatch: pytest.MonkeyPatch) -> None:

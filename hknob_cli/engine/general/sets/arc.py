@@ -11,20 +11,15 @@ from hknob_cli.engine.follow import UNSETTLED
 from hknob_cli.engine.general.body import norm
 from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.sets.arc_parts import (
-    ARC_BEFORE,
-    ARC_ERROR,
-    ARC_LEVEL,
-    ARC_SAMPLE,
-    ARC_STATE,
-    HIGH,
-    LOW,
     arc_size,
     part_arc,
     split_arc,
+    take_arc,
     turns_apart,
     wait_arc,
 )
 from hknob_cli.engine.general.sets.ball import CAPTURED, FIRST_REST_TEST, GREW, MEETS_EDGE, follow_ball, step_through
+from hknob_cli.engine.general.sets.cell import Centre, acting_as
 from hknob_cli.engine.general.sets.curve import measure_arc, place_on
 from hknob_cli.engine.general.sets.known import blame, fate_of, is_proven, seek
 from hknob_cli.engine.general.sets.memory import begin_at, watched
@@ -33,7 +28,6 @@ from hknob_cli.engine.general.sets.turns import (
     edge_reach,
     half_of,
     highest_at,
-    keep_count,
     level_at,
     peek,
 )
@@ -43,76 +37,98 @@ OPEN, ENDED, UNPROVEN, PARTED = range(4)  # what becomes of an arc
 FLAT = 0.0625  # bulge by the way from end to end, above which an arc is halved and not cut
 
 
-def fill_arcs(start, delay, room, drift, body):
+def fill_arcs(start, room, drift, body):
     """Let all phases of a start wait as one arc; a bound on the rounding of every state of it, by its centre's."""
-    n = body.order
+    delay = len(room.own_ring)
     place_on(0.5, start, room.own_z, room, body)
     slack = drift.coast * norm(room.rate, body)
     error = slack
-    for j in range(n):
+    for j in range(body.order):
         error += 8.0 * EPSILON * drift.units[j] * (abs(start[j]) + abs(room.own_z[j]))
     for j in range(delay):
         room.own_ring[j] = 0.0
-    wait_arc(room, 0, 0.0, 1.0, room.own_z, 0.0, room.own_ring, 0 * delay, error, 0.0, 0.0, n)
+    wait_arc(room, 0, (0.0, 1.0), Centre(room.own_z, 0.0, room.own_ring, 0 * delay, error, 0.0, 0.0, 1.0))
     return slack
 
 
-def follow_arcs(waiting, delay, slack, budget, patience, limit, samples, totals, room, drift, known, body, wall):
+def readings_of(room, centre, reach, cell):
+    """The least and the greatest reading of an arc at its next sample, whose places may be wrong by ``reach``."""
+    turns, law, watch, x = cell.known.turns, cell.known.law, watched(cell.known.law, cell.wall), centre.z[0]
+    left, right, half, shown = x + room.below[0], x + room.above[0], half_of(turns, centre.sample == 0, watch), 0.0
+    if centre.sample > 0:
+        shown = count_of(turns, law, centre.before, centre.ring)
+    least = level_at(turns, min(left, right) - reach, shown, half, cell.drift.bottom, watch)
+    return least, level_at(turns, max(left, right) + reach, shown, half, cell.drift.bottom, watch)
+
+
+def cut_around(room, centre, span, edge, reach):
+    """The two phases between which an arc that bends may meet an ``edge``, so that neither outer part does.
+
+    Each lies so far from the edge that an outer part, whose own reach is below twice this one, does not meet it. The
+    part between them is less than half of the arc; and as it comes to the edge, an outer part is never all of it.
+    """
+    low, high = span
+    left, right = centre.z[0] + room.below[0], centre.z[0] + room.above[0]
+    one, other = (edge - 2.0 * reach - left) / (right - left), (edge + 2.0 * reach - left) / (right - left)
+    first = low + (high - low) * max(0.0, min(one, other))
+    last = low + (high - low) * min(1.0, max(one, other))
+    if first >= high or last <= low:  # by rounding
+        return 0.5 * (low + high), 0.5 * (low + high)
+    return first, last
+
+
+def enter_arc(span, row, totals, room, known):
+    """Enter an arc that has ended, in the attractor of this row; below 0: in none that is proven."""
+    low, high = span
+    if row >= 0:
+        known.table[row * FIELDS + 6] += high - low
+    ended = int(totals[0])
+    if 3 * ended + 3 <= len(room.ended):
+        room.ended[3 * ended], room.ended[3 * ended + 1], room.ended[3 * ended + 2] = low, high, row
+    totals[0] += 1.0
+    totals[2] = min(totals[2], high - low)
+    totals[3] += high - low
+
+
+def follow_arcs(waiting, slack, samples, totals, scope, room, cell):
     """Follow arcs until none waits or ``samples`` are taken: ``(waiting, samples)``, waiting -1 where there is no room.
 
     ``totals``: arcs that ended, the phases that did not end proven, the shortest arc, the length of all; added to.
     """
-    n = body.order
-    size = arc_size(n, delay)
-    z, ring = room.own_z, room.own_ring
-    cell, watch = (known.law, drift, body, wall), watched(known.law, wall)
+    drift, known, body = cell.drift, cell.known, cell.body
+    turns, law, watch = known.turns, known.law, watched(known.law, cell.wall)
     taken = 0
-    most_waiting = len(room.stack) // size - 4
+    most_waiting = len(room.stack) // arc_size(body.order, len(room.own_ring)) - 4
     while waiting > 0 and taken < samples and not body.halt[0] > 0.0:
         waiting -= 1
-        base = waiting * size
-        low, high, error = room.stack[base + LOW], room.stack[base + HIGH], room.stack[base + ARC_ERROR]
-        before, level, at = (
-            room.stack[base + ARC_BEFORE],
-            room.stack[base + ARC_LEVEL],
-            int(room.stack[base + ARC_SAMPLE]),
-        )
-        for j in range(n):
-            z[j] = room.stack[base + ARC_STATE + j]
-        for j in range(delay):
-            ring[j] = room.stack[base + ARC_STATE + n + j]
-        run, next_test, head, since, wait = 0, FIRST_REST_TEST, 0 * delay, 0, patience
+        span, centre = take_arc(room, waiting)
+        low, high = span
+        run, next_test, since, wait = 0, FIRST_REST_TEST, 0, scope.patience
+        at = int(centre.sample)
         radius, bulge = measure_arc(low, high, at, room, drift, body)
         fate, row = OPEN, -1
         taken += 1
         while fate == OPEN:
-            event, used = MEETS_EDGE, 0
+            event = MEETS_EDGE
             if at > 0:
-                event, row, before, head, error, level, run, next_test, used = follow_ball(
-                    z,
-                    before,
-                    ring,
-                    head,
+                event, row, centre, run, next_test = follow_ball(
+                    centre,
                     radius + slack,
-                    error,
-                    level,
                     run,
                     next_test,
-                    min(wait - since, budget - at),
-                    limit,
+                    min(wait - since, scope.budget - at),
+                    scope.limit,
                     False,
-                    drift,
-                    known,
-                    body,
-                    wall,
+                    cell,
                 )
+            used = int(centre.sample) - at
             at += used
             since += used
             taken += used
             if event == CAPTURED:
                 fate = ENDED
                 continue
-            if event == GREW or at >= budget:
+            if event == GREW or at >= scope.budget:
                 fate, row = UNPROVEN, -1
                 blame(GREW_FATE if event == GREW else UNSETTLED, high - low, known)
                 continue
@@ -120,10 +136,10 @@ def follow_arcs(waiting, delay, slack, budget, patience, limit, samples, totals,
             if event != MEETS_EDGE:
                 # Long in no known attractor: its middle's own is found, and entered.
                 since, wait = 0, 2 * wait
-                row, steps = seek(z, before, ring, head, budget - at, limit, known, body, wall)
+                row, steps = seek(centre, scope, cell)
                 taken += steps
                 if body.halt[0] > 0.0 or taken >= samples:
-                    waiting = wait_arc(room, waiting, low, high, z, before, ring, head, error, level, float(at), n)
+                    waiting = wait_arc(room, waiting, span, centre)
                     fate = PARTED
                 elif not is_proven(row, known):
                     fate = UNPROVEN
@@ -131,66 +147,40 @@ def follow_arcs(waiting, delay, slack, budget, patience, limit, samples, totals,
                 continue
             # The ball meets an edge: the arc itself is looked at.
             ways = abs(room.above[0] - room.below[0])
-            narrow = body.reach * (error + slack) + 8.0 * EPSILON * abs(z[0])
+            narrow = body.reach * (centre.error + slack) + 8.0 * EPSILON * abs(centre.z[0])
             bow = body.reach * bulge
-            reach = edge_reach(known.turns, narrow) + bow
-            left, right = z[0] + room.below[0], z[0] + room.above[0]
-            turns, half, shown = known.turns, half_of(known.turns, at == 0, watch), 0.0
-            if at > 0:
-                shown = count_of(turns, known.law, before, ring)
-            least = level_at(turns, min(left, right) - reach, shown, half, drift.bottom, watch)
-            most = level_at(turns, max(left, right) + reach, shown, half, drift.bottom, watch)
+            reach = edge_reach(turns, narrow) + bow
+            least, most = readings_of(room, centre, reach, cell)
             same, then = least == most, 0.0
+            if same and at == 0:
+                before = begin_at(law, least, centre.ring, cell.wall)
+                centre = acting_as(centre, centre.level, before, centre.error)
+            acts = acting_as(centre, least, centre.before, centre.error)
+            blurry = acting_as(centre, centre.level, centre.before, centre.error + slack)
             if same:
-                if at == 0:
-                    before = begin_at(known.law, least, ring, wall)
-                ball = radius + slack + error
-                same, then = peek(turns, known.law, z, least, before, ring, head, ball, drift, body, wall, watch)
+                same, then = peek(acts, radius + slack + centre.error, cell)
             if same:
-                run, next_test = (run + 1, next_test) if level == least else (0, FIRST_REST_TEST)
-                level = least
-                before, error, head = step_through(
-                    known.law, z, before, error, level, ring, head, drift, body, wall, room.pad
-                )
-                before = keep_count(turns, known.law, then, before, ring)
+                run, next_test = (run + 1, next_test) if centre.level == least else (0, FIRST_REST_TEST)
+                centre = step_through(acts, then, cell, room.pad)
                 at += 1
                 since += 1
                 taken += 1
             elif waiting > most_waiting:
                 return -1, taken
-            elif high - low > SHORTEST and (
-                bow > narrow or turns_apart(room, z, before, ring, head, reach, at, least, most, cell)
-            ):
-                middle = 0.5 * (low + high)
-                first, last = middle, middle
+            elif high - low > SHORTEST and (bow > narrow or turns_apart(room, centre, reach, least, most, cell)):
+                first, last = 0.5 * (low + high), 0.5 * (low + high)
                 if bow > narrow and bow < FLAT * ways and least < most:
-                    edge = highest_at(turns, least, shown, half, watch)
-                    # So far from the edge that neither outer part, whose own reach is below twice this one, meets it.
-                    # That is less than half of the arc; and as it comes to the edge, an outer part is never all of it.
-                    one = (edge - 2.0 * reach - left) / (right - left)
-                    other = (edge + 2.0 * reach - left) / (right - left)
-                    first = low + (high - low) * max(0.0, min(one, other))
-                    last = low + (high - low) * min(1.0, max(one, other))
-                if first >= high or last <= low:  # by rounding
-                    first, last = middle, middle
-                waiting = split_arc(
-                    room, waiting, low, high, first, last, z, before, ring, head, error, slack, at, drift, body
-                )
+                    half, shown = half_of(turns, at == 0, watch), 0.0
+                    if at > 0:
+                        shown = count_of(turns, law, centre.before, centre.ring)
+                    first, last = cut_around(room, centre, span, highest_at(turns, least, shown, half, watch), reach)
+                waiting = split_arc(room, waiting, span, first, last, blurry, cell)
                 fate = PARTED
             else:
-                waiting = part_arc(
-                    room, waiting, low, high, z, before, ring, head, error, slack, reach, at, least, most, cell
-                )
+                waiting = part_arc(room, waiting, span, blurry, reach, least, most, cell)
                 fate = PARTED
         if fate == UNPROVEN:
             totals[1] += high - low
         if fate != PARTED:
-            if row >= 0:
-                known.table[row * FIELDS + 6] += high - low
-            ended = int(totals[0])
-            if 3 * ended + 3 <= len(room.ended):
-                room.ended[3 * ended], room.ended[3 * ended + 1], room.ended[3 * ended + 2] = low, high, row
-            totals[0] += 1.0
-            totals[2] = min(totals[2], high - low)
-            totals[3] += high - low
+            enter_arc(span, row, totals, room, known)
     return waiting, taken

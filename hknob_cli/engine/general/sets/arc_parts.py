@@ -2,6 +2,7 @@
 
 from hknob_cli.engine.general.controller import lower_edge, upper_edge
 from hknob_cli.engine.general.sets.ball import step_through
+from hknob_cli.engine.general.sets.cell import Centre, acting_as
 from hknob_cli.engine.general.sets.curve import move_centre
 from hknob_cli.engine.general.sets.memory import begin_at, watched
 from hknob_cli.engine.general.sets.swings import PLACES, measure_swings, plan_parts
@@ -9,7 +10,6 @@ from hknob_cli.engine.general.sets.turns import (
     count_of,
     half_of,
     highest_at,
-    keep_count,
     levels_between,
     lowest_at,
     next_at,
@@ -24,30 +24,47 @@ def arc_size(n, delay):
     return ARC_STATE + n + delay
 
 
-def wait_arc(room, waiting, low, high, z, before, ring, head, error, level, sample, n):
-    """Let an arc wait; how many do then."""
-    delay = len(ring)
-    base = waiting * arc_size(n, delay)
-    room.stack[base + LOW], room.stack[base + HIGH], room.stack[base + ARC_ERROR] = low, high, error
-    room.stack[base + ARC_BEFORE], room.stack[base + ARC_LEVEL], room.stack[base + ARC_SAMPLE] = before, level, sample
+def wait_arc(room, waiting, span, centre):
+    """Let an arc wait, from a low to a high phase; how many do then."""
+    z, ring, delay = centre.z, centre.ring, len(centre.ring)
+    base, n = waiting * arc_size(len(z), delay), len(z)
+    room.stack[base + LOW], room.stack[base + HIGH] = span
+    room.stack[base + ARC_ERROR], room.stack[base + ARC_BEFORE] = centre.error, centre.before
+    room.stack[base + ARC_LEVEL], room.stack[base + ARC_SAMPLE] = centre.level, centre.sample
     for j in range(n):
         room.stack[base + ARC_STATE + j] = z[j]
     for j in range(delay):
-        room.stack[base + ARC_STATE + n + j] = ring[(head + j) % delay]
+        room.stack[base + ARC_STATE + n + j] = ring[(centre.head + j) % delay]
     return waiting + 1
 
 
-def split_arc(room, waiting, low, high, first, last, z, before, ring, head, error, slack, sample, drift, body):
+def take_arc(room, waiting):
+    """The arc that waits at this place: its low and high phase, and its centre in ``room``."""
+    z, ring, delay = room.own_z, room.own_ring, len(room.own_ring)
+    base, n = waiting * arc_size(len(z), delay), len(z)
+    for j in range(n):
+        z[j] = room.stack[base + ARC_STATE + j]
+    for j in range(delay):
+        ring[j] = room.stack[base + ARC_STATE + n + j]
+    span = room.stack[base + LOW], room.stack[base + HIGH]
+    error, before = room.stack[base + ARC_ERROR], room.stack[base + ARC_BEFORE]
+    level, sample = room.stack[base + ARC_LEVEL], room.stack[base + ARC_SAMPLE]
+    return span, Centre(z, before, ring, 0 * delay, error, level, sample, span[1] - span[0])
+
+
+def split_arc(room, waiting, span, first, last, centre, cell):
     """Cut an arc at two of its phases, at most; how many arcs wait then. The parts have not moved on."""
+    low, high = span
     middle = 0.5 * (low + high)
     for part in range(3):
         begin = low if part == 0 else (first if part == 1 else last)
         end = first if part == 0 else (last if part == 1 else high)
         if begin < end:
-            move_centre(z, middle, 0.5 * (begin + end), sample, room, drift, body, room.z)
-            waiting = wait_arc(
-                room, waiting, begin, end, room.z, before, ring, head, error + slack, 0.0, float(sample), body.order
+            move_centre(centre, middle, 0.5 * (begin + end), room, cell.drift, cell.body, room.z)
+            here = Centre(
+                room.z, centre.before, centre.ring, centre.head, centre.error, 0.0, centre.sample, centre.weight
             )
+            waiting = wait_arc(room, waiting, (begin, end), here)
     return waiting
 
 
@@ -63,36 +80,33 @@ def fraction_of(a, b, limit, sign, first, last):
     return first, last
 
 
-def move_arc(room, waiting, low, high, begin, end, z, before, ring, head, error, sample, level, shown, cell):
-    """Move the part of an arc from ``begin`` to ``end``, acting as ``level``, and let it wait with a count."""
-    law, drift, body, wall = cell
-    move_centre(z, 0.5 * (low + high), 0.5 * (begin + end), sample, room, drift, body, room.z)
-    for j in range(len(ring)):
-        room.ring[j] = ring[(head + j) % len(ring)]
-    was = begin_at(law, level, room.ring, wall) if sample == 0 else before
-    remembers, grown, to = step_through(
-        law, room.z, was, error, level, room.ring, 0 * len(ring), drift, body, wall, room.pad
-    )
-    remembers = keep_count(room.turns, law, shown, remembers, room.ring)
-    return wait_arc(room, waiting, begin, end, room.z, remembers, room.ring, to, grown, level, sample + 1.0, body.order)
+def move_arc(room, waiting, span, part, centre, shown, cell):
+    """Move the part of an arc that has these phases, acting as its level, and let it wait with a count."""
+    law, ring, delay = cell.known.law, centre.ring, len(centre.ring)
+    move_centre(centre, 0.5 * (span[0] + span[1]), 0.5 * (part[0] + part[1]), room, cell.drift, cell.body, room.z)
+    for j in range(delay):
+        room.ring[j] = ring[(centre.head + j) % delay]
+    before = begin_at(law, centre.level, room.ring, cell.wall) if centre.sample == 0 else centre.before
+    here = Centre(room.z, before, room.ring, 0 * delay, centre.error, centre.level, centre.sample, centre.weight)
+    return wait_arc(room, waiting, part, step_through(here, shown, cell, room.pad))
 
 
-def move_by_turns(room, waiting, low, high, first, last, z, before, ring, head, error, reach, sample, level, cell):
-    """As `move_arc`, from a fraction of a chord to another; with hysteresis for each count that turning points make."""
-    law, drift, body, wall = cell
-    turns, n, span = room.turns, body.order, high - low
+def move_by_turns(room, waiting, span, chord, centre, reach, cell):
+    """As `move_arc`, of a ``chord`` from one fraction to another; with hysteresis for each count of turning points."""
+    drift, body, turns, law = cell.drift, cell.body, cell.known.turns, cell.known.law
+    low, n = span[0], body.order
+    way, (first, last) = span[1] - low, chord
     if turns is None:
-        begin, end = low + first * span, low + last * span
-        return move_arc(room, waiting, low, high, begin, end, z, before, ring, head, error, sample, level, 0.0, cell)
-    if sample == 0:
-        begin_at(law, level, ring, wall)
+        return move_arc(room, waiting, span, (low + first * way, low + last * way), centre, 0.0, cell)
+    if centre.sample == 0:
+        begin_at(law, centre.level, centre.ring, cell.wall)
     for j in range(n):
-        way = room.above[j] - room.below[j]
-        turns.kept[j], turns.kept[n + j] = room.below[j] + first * way, room.below[j] + last * way
-    watch, places = watched(law, wall), turns.places
-    holds = plan_holds(turns, law, level, before, ring, head, wall)
-    beyond = measure_swings(turns, z, turns.kept, 0, 2, n, holds, reach, drift, body)
-    side, least, most = plan_parts(turns, level, watch)
+        ahead = room.above[j] - room.below[j]
+        turns.kept[j], turns.kept[n + j] = room.below[j] + first * ahead, room.below[j] + last * ahead
+    watch, places = watched(law, cell.wall), turns.places
+    holds = plan_holds(turns, law, centre, cell.wall)
+    beyond = measure_swings(turns, centre.z, turns.kept, 2, holds, reach, drift, body)
+    side, least, most = plan_parts(turns, centre.level, watch)
     sign, half, shown = float(side), 0.5 * watch.hysteresis, least
     farthest, meanwhile = (0, 1) if side > 0 else (2, 3)
     while shown <= most:
@@ -107,30 +121,27 @@ def move_by_turns(room, waiting, low, high, first, last, z, before, ring, head, 
         if side != 0 and after_it:
             a, b = fraction_of(places[meanwhile], places[PLACES + meanwhile], farther + sign * beyond, -sign, a, b)
         if a <= b:
-            if waiting + 1 > len(room.stack) // arc_size(n, len(ring)):
+            if waiting + 1 > len(room.stack) // arc_size(n, len(centre.ring)):
                 return -1
-            begin, end = low + span * (first + a * (last - first)), low + span * (first + b * (last - first))
-            waiting = move_arc(
-                room, waiting, low, high, begin, end, z, before, ring, head, error, sample, level, shown, cell
-            )
+            part = low + way * (first + a * (last - first)), low + way * (first + b * (last - first))
+            waiting = move_arc(room, waiting, span, part, centre, shown, cell)
         shown += 1.0
     return waiting
 
 
-def turns_apart(room, z, before, ring, head, reach, sample, least, most, cell):
+def turns_apart(room, centre, reach, least, most, cell):
     """Whether turning points tell the states of a chord apart by places that are none of a chord, beyond roundings."""
-    law, drift, body, wall = cell
-    turns, n = room.turns, body.order
+    drift, body, turns, law = cell.drift, cell.body, cell.known.turns, cell.known.law
     if turns is None:
         return False
-    watch, level = watched(law, wall), least
+    n, watch, level = body.order, watched(law, cell.wall), least
     while level <= most:
-        if sample == 0:
-            begin_at(law, level, ring, wall)
+        if centre.sample == 0:
+            begin_at(law, level, centre.ring, cell.wall)
         for j in range(n):
             turns.kept[j], turns.kept[n + j] = room.below[j], room.above[j]
-        holds = plan_holds(turns, law, level, before, ring, head, wall)
-        beyond = measure_swings(turns, z, turns.kept, 0, 2, n, holds, reach, drift, body)
+        holds = plan_holds(turns, law, acting_as(centre, level, centre.before, centre.error), cell.wall)
+        beyond = measure_swings(turns, centre.z, turns.kept, 2, holds, reach, drift, body)
         side, first, last = plan_parts(turns, level, watch)
         at = 0 if side > 0 else 2
         bent = abs(turns.places[at] - turns.places[at + 1])
@@ -141,17 +152,18 @@ def turns_apart(room, z, before, ring, head, reach, sample, least, most, cell):
     return False
 
 
-def part_arc(room, waiting, low, high, z, before, ring, head, error, slack, reach, sample, least, most, cell):
+def part_arc(room, waiting, span, centre, reach, least, most, cell):
     """Cut an arc that is a chord at its edges, and move each part; how many arcs wait then, -1: no room.
 
     ``reach``: position by which each part goes beyond its edges; ``least``, ``most``: the readings of the arc.
     """
-    law, drift, body, wall = cell
-    n, watch, turns = body.order, watched(law, wall), room.turns
+    drift, turns, law, ring = cell.drift, cell.known.turns, cell.known.law, centre.ring
+    n, watch = cell.body.order, watched(law, cell.wall)
     if waiting + levels_between(turns, least, most, watch) > len(room.stack) // arc_size(n, len(ring)):
         return -1
-    left, right = z[0] + room.below[0], z[0] + room.above[0]
-    level, half, shown = least, half_of(turns, sample == 0, watch), count_of(turns, law, before, ring)
+    left, right = centre.z[0] + room.below[0], centre.z[0] + room.above[0]
+    level, half = least, half_of(turns, centre.sample == 0, watch)
+    shown = count_of(turns, law, centre.before, ring)
     while level <= most and waiting >= 0:
         bottom = lowest_at(turns, level, shown, half, drift.bottom, watch) - reach
         top = highest_at(turns, level, shown, half, watch) + reach
@@ -162,8 +174,7 @@ def part_arc(room, waiting, low, high, z, before, ring, head, error, slack, reac
         elif left < bottom or left > top:
             last = -1.0
         if first <= last:
-            waiting = move_by_turns(
-                room, waiting, low, high, first, last, z, before, ring, head, error + slack, reach, sample, level, cell
-            )
+            acts = acting_as(centre, level, centre.before, centre.error)
+            waiting = move_by_turns(room, waiting, span, (first, last), acts, reach, cell)
         level = next_at(turns, level, watch)
     return waiting

@@ -7,6 +7,7 @@ and its radius, in `body.norm`, is an upper bound.
 from hknob_cli.engine.general.controller import command
 from hknob_cli.engine.general.interval import hold
 from hknob_cli.engine.general.laws.step import advance_two, decide, move_piece
+from hknob_cli.engine.general.sets.cell import Centre
 from hknob_cli.engine.general.sets.known import captor, resting
 from hknob_cli.engine.general.sets.memory import step_error, watched
 from hknob_cli.engine.general.sets.readings import remembered, steps_deeper
@@ -29,57 +30,55 @@ STEPS_DEEPER = 4
 FIRST_REST_TEST = 8
 
 
-def step_through(law, z, before, error, level, ring, head, drift, body, wall, pad):
-    """One sample more of a set that acts as ``level``, its centre in place: ``(before, error, head)``.
+def step_through(centre, count, cell, pad):
+    """One sample more of a set that acts as its level: its centre then, moved in place.
 
-    ``law``: of a controller, None without one, as in `memory`.
+    ``count``: that it has before the next sample, with hysteresis of the encoder.
     """
+    drift, body, wall, law = cell.drift, cell.body, cell.wall, cell.known.law
+    z, ring, level, head = centre.z, centre.ring, centre.level, centre.head
+    before, error = remembered(level, wall), centre.error
     if law is None:
-        u = command(level, before, wall)
+        u = command(level, centre.before, wall)
         older = u
         for j in range(len(ring)):
             older = max(abs(older), abs(ring[j]))
         error += step_error(z, u, older, drift, body)
         head = hold(z, u, ring, head, body, wall, pad)
-        return remembered(level, wall), error, head
-    decide(level, 0.0, ring, wall, law)
-    largest = 0.0
-    for j in range(law.line, len(ring)):
-        largest = max(largest, abs(ring[j]))
-    error += step_error(z, largest, largest, drift, body)
-    if body.order == 2:
-        advance_two(z, ring, body, wall, law)
     else:
-        for piece in range(law.pieces):
-            move_piece(z, ring, piece, body, law, pad)
-    return 0.0, error, head
+        before = 0.0
+        decide(level, 0.0, ring, wall, law)
+        largest = 0.0
+        for j in range(law.line, len(ring)):
+            largest = max(largest, abs(ring[j]))
+        error += step_error(z, largest, largest, drift, body)
+        if body.order == 2:
+            advance_two(z, ring, body, wall, law)
+        else:
+            for piece in range(law.pieces):
+                move_piece(z, ring, piece, body, law, pad)
+    before = keep_count(cell.known.turns, law, count, before, ring)
+    return Centre(z, before, ring, head, error, level, centre.sample + 1.0, centre.weight)
 
 
-def follow_ball(
-    z, before, ring, head, radius, error, level, run, next_test, samples, limit, small, drift, known, body, wall
-):
-    """Follow the ball around ``z`` for at most ``samples`` samples.
+def follow_ball(centre, radius, run, next_test, samples, limit, small, cell):
+    """Follow the ball around a centre for at most ``samples`` samples.
 
     Args:
-        z: Its centre, (order); moved in place.
-        before: What the controller remembers of the last reading, `readings.remembered`.
-        ring: Commands under way, or what a law remembers; changed in place.
-        head: The oldest of them.
+        centre: `cell.Centre`; its level is the reading that acted at the sample before.
         radius: Bound on the distance of its states from the centre, in `body.norm`.
-        error: Bound on the rounding error of the centre, in the same norm.
-        level: Reading that acted at the sample before.
-        run: Samples that it has acted.
+        run: Samples that the level has acted.
         next_test: Samples after which rest is tried.
         samples: That may pass.
         limit: Position past which motions have diverged.
         small: Whether to return where the wall steps deeper.
-        drift: `drift.Drift` of the cell.
-        known: The attractors, `ends.Known`.
-        body: The body.
-        wall: The controller.
+        cell: `cell.Cell`.
 
-    Returns ``(event, row, before, head, error, level, run, next_test, used)``; ``row`` of the attractor where captured.
+    Returns ``(event, row, centre, run, next_test)``; ``row`` of the attractor where captured.
     """
+    drift, known, body, wall = cell.drift, cell.known, cell.body, cell.wall
+    z, ring = centre.z, centre.ring
+    before, head, error, level = centre.before, centre.head, centre.error, centre.level
     pad, watch = known.space.pad, watched(known.law, wall)
     two, delay = body.order == 2 and is_simple(known.turns, known.law), len(ring)
     half = half_of(known.turns, False, watch)
@@ -121,14 +120,13 @@ def follow_ball(
         else:
             run, next_test = 0, FIRST_REST_TEST
         if not two:
-            known_count, count = peek(
-                known.turns, known.law, z, level, before, ring, head, radius + error, drift, body, wall, watch
-            )
+            acts = Centre(z, before, ring, head, error, level, centre.sample, centre.weight)
+            known_count, count = peek(acts, radius + error, cell)
             if not known_count:
                 event, level, taken = MEETS_EDGE, last, i
                 break
-            before, error, head = step_through(known.law, z, before, error, level, ring, head, drift, body, wall, pad)
-            before = keep_count(known.turns, known.law, count, before, ring)
+            moved = step_through(acts, count, cell, pad)
+            before, head, error = moved.before, moved.head, moved.error
             x, v = z[0], z[1]
             continue
         u = command(level, before, wall)
@@ -146,4 +144,5 @@ def follow_ball(
         y = u + body.drive - body.beta * x
         x, v = x + (body.s2 * v + body.g2 * y), body.f2 * v + body.s2 * y
     z[0], z[1] = x, v
-    return event, row, before, head, error, level, run, next_test, taken
+    end = Centre(z, before, ring, head, error, level, centre.sample + taken, centre.weight)
+    return event, row, end, run, next_test

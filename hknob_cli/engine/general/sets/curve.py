@@ -99,10 +99,10 @@ def measure_arc(low, high, sample, room, drift, body):
     return radius * (1.0 + drift.blur), bulge * (1.0 + drift.blur)
 
 
-def move_centre(z, middle, to, sample, room, drift, body, out):
-    """The state of an arc's phase ``to``, from that of its ``middle``, ``sample`` samples on; to ``out``."""
-    n = body.order
-    power_of(sample, drift, n, room.matrix, room.power)
+def move_centre(centre, middle, to, room, drift, body, out):
+    """The state of an arc's phase ``to``, from its centre, which is that of its ``middle``; to ``out``."""
+    n, z = body.order, centre.z
+    power_of(int(centre.sample), drift, n, room.matrix, room.power)
     first = min(middle, to)
     rate_at(first, room, body, room.speed)
     drift_over(abs(to - middle), room.speed, room.spare, body, room.pad)

@@ -14,12 +14,13 @@ from hknob_cli.engine.general.standstill import stays_held
 UNKNOWN, SEVERAL = -1, -3  # instead of the row of a rest
 
 
-def rest_of_arc(room, reach, level, narrow, drift, known, body, wall):
+def rest_of_arc(room, reach, level, narrow, cell):
     """Row of the rest where all states of the arc in ``room`` end that acts as ``level``.
 
     As `friction_rest.near_rest`. `UNKNOWN` if none is known to, `SEVERAL` where they may rest in more than one reading;
     if ``narrow``, each of these is entered. ``reach``: of the arc, in `body.norm`.
     """
+    drift, known, body, wall = cell.drift, cell.known, cell.body, cell.wall
     z, ring, before, away = room.z, room.ring, room.arc[BEFORE], known.space.away
     if body.friction == 0.0:
         return resting(z, before, ring, reach, level, known, body, wall)

@@ -22,7 +22,6 @@ from hknob_cli.engine.general.body import (
 )
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.laws.law import Law
-from hknob_cli.engine.general.search import as_list
 from hknob_cli.engine.general.sets import friction_arcs
 from hknob_cli.engine.general.sets.drift import MARGIN, Drift, halves, largest_entries, off
 from hknob_cli.engine.general.sets.ends import Known
@@ -244,8 +243,6 @@ class FrictionArcEngine(FrictionSetEngine):
     ) -> tuple[Callable[..., Any], Known]:
         """What follows the intervals of phases that wait, called with them, and the ends that it enters."""
         room = make_rub_room(self._zeros, self._filled, body, wall, delay_line, self.law)
-        wall = wall if self.compiled else as_list(wall)
-        body, drift, known = self.ready(body, wall, delay_line)
+        cell = self.ready(body, wall, delay_line)
         follow = partial(self._function(friction_arcs, "follow_friction_arcs"), self._filled(start))
-        rest = scope.patience, scope.budget, scope.limit, room, drift, known, body, wall
-        return lambda *some: follow(*some, *rest), known
+        return lambda *some: follow(*some, scope, room, cell), cell.known

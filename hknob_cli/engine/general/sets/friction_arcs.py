@@ -9,6 +9,7 @@ from hknob_cli.engine.follow import CYCLE_PROVEN, GREW, UNSETTLED
 from hknob_cli.engine.general.body import copy_to, norm_at
 from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.sets.ball import FIRST_REST_TEST
+from hknob_cli.engine.general.sets.cell import Centre
 from hknob_cli.engine.general.sets.friction_arc import (
     BEFORE,
     ERROR,
@@ -72,13 +73,14 @@ def look_up(room, which, drift, body, watch):
     return low, high
 
 
-def step_arc(room, before, drift, known, body, wall):
+def step_arc(room, before, cell):
     """Move the arc in ``room`` over an interval that acts as `room.told` begins: ``(high, which)``.
 
     ``which``: number of a reading within the interval that is not one, 0 without, `TORN` where the arc is to be halved
     first; ``high``: the highest that it may be.
     """
-    z, ring, law = room.z, room.ring, known.law
+    drift, body, wall, law = cell.drift, cell.body, cell.wall, cell.known.law
+    z, ring = room.z, room.ring
     watch, line = watched(law, wall), norm_at(room.columns, 0, body)
     stood = room.arc[STANDS] > 0.0
     long = line > LONG and line > 2.0 * ball_of(room, body)
@@ -103,22 +105,23 @@ def step_arc(room, before, drift, known, body, wall):
     return 0.0, 0
 
 
-def end_of_arc(room, waiting, patience, budget, limit, drift, known, body, wall):
+def end_of_arc(room, waiting, scope, cell):
     """Follow the last arc that waits: ``(waiting, fate, row, samples)``; ``row`` is a fate where it is lost.
 
     It is left in ``room.own`` as it was at its last sample.
     """
-    z, ring, arc, law = room.z, room.ring, room.arc, known.law
+    drift, known, body, wall, law = cell.drift, cell.known, cell.body, cell.wall, cell.known.law
+    z, ring, arc = room.z, room.ring, room.arc
     watch = watched(law, wall)
     waiting -= 1
     take_arc(room, waiting)
     narrow = arc[HIGH] - arc[LOW] <= NARROWEST
-    run, next_test, wait, taken, shorter = 0, FIRST_REST_TEST, patience, 0, False
-    since = int(arc[SAMPLE]) % patience
+    run, next_test, wait, taken, shorter = 0, FIRST_REST_TEST, scope.patience, 0, False
+    since = int(arc[SAMPLE]) % scope.patience
     while True:
         keep_arc(room)
-        if arc[SAMPLE] >= budget or not -limit < z[0] < limit:
-            return waiting, LOST, UNSETTLED if arc[SAMPLE] >= budget else GREW, taken
+        if arc[SAMPLE] >= scope.budget or not -scope.limit < z[0] < scope.limit:
+            return waiting, LOST, UNSETTLED if arc[SAMPLE] >= scope.budget else GREW, taken
         reach, last, before = apart_of(room, body), arc[LEVEL], arc[BEFORE]
         taken += 1
         level, high = look_up(room, 0, drift, body, watch)
@@ -135,27 +138,28 @@ def end_of_arc(room, waiting, patience, budget, limit, drift, known, body, wall)
                 next_test = FIRST_REST_TEST
             elif run >= next_test:
                 next_test = 2 * run
-                row = rest_of_arc(room, reach, level, narrow, drift, known, body, wall)
+                row = rest_of_arc(room, reach, level, narrow, cell)
                 if row >= 0:
                     return waiting, ENDED, row, taken
                 if row == FULL:
                     return waiting, LOST, NO_ROOM, taken
                 shorter = shorter or row == SEVERAL
             if since >= wait and not shorter:
-                row, steps = seek(z, before, ring, 0 * len(ring), budget - int(arc[SAMPLE]), limit, known, body, wall)
+                here = Centre(z, before, ring, 0 * len(ring), arc[ERROR], level, arc[SAMPLE], 0.0)
+                row, steps = seek(here, scope, cell)
                 taken += steps
                 if body.halt[0] > 0.0 or not is_proven(row, known):
                     return waiting, LOST, fate_of(row, known), taken
                 if known.table[row * FIELDS] == CYCLE_PROVEN:
                     margin = known.table[row * FIELDS + 2] - known.table[row * FIELDS + 5]
-                    shorter = wait != patience and not narrow and body.reach * reach > MUCH * margin
+                    shorter = wait != scope.patience and not narrow and body.reach * reach > MUCH * margin
                 since, wait = 0, wait + 2 * int(known.table[row * FIELDS + 1]) + 1
             if shorter:
                 if norm_at(room.columns, 0, body) * BLURRED < ball_of(room, body) + arc[ERROR]:
                     return waiting, AGAIN, -1, taken
                 waiting = halve_arc(room, waiting)
                 return waiting, (PARTED if waiting >= 0 else LOST), NO_ROOM, taken
-            high, which = step_arc(room, before, drift, known, body, wall)
+            high, which = step_arc(room, before, cell)
             if which == 0:
                 arc[BEFORE], arc[LEVEL], arc[TOLD] = remembered(level, wall), level, 0.0
                 arc[SAMPLE] += 1.0
@@ -170,7 +174,7 @@ def end_of_arc(room, waiting, patience, budget, limit, drift, known, body, wall)
         return waiting, (PARTED if waiting >= 0 else LOST), NO_ROOM, taken
 
 
-def follow_friction_arcs(start, first, samples, stack, patience, budget, limit, room, drift, known, body, wall):
+def follow_friction_arcs(start, first, samples, stack, scope, room, cell):
     """Follow the intervals of phases that wait until none does or ``samples`` are taken.
 
     Args:
@@ -178,18 +182,14 @@ def follow_friction_arcs(start, first, samples, stack, patience, budget, limit, 
         first: Intervals that wait, in ``stack``.
         samples: That may pass.
         stack: Room for intervals, `INTERVAL` numbers each: low and high phase, and those from which to which it counts.
-        patience: Samples after which an end is looked for by a trial.
-        budget: Samples that a motion may take.
-        limit: Position past which a motion has diverged.
+        scope: `scope.Scope`.
         room: `friction_arc_search.RubRoom`.
-        drift: `friction_arc_search.rub_drift`.
-        known: `ends.Known`; shares are entered into its table.
-        body: The body.
-        wall: The controller.
+        cell: `cell.Cell`, its bounds as `friction_arc_search.rub_drift` has them; shares are entered into its table.
 
     Returns ``(waiting, ended, undecided, shortest, taken)`` as `friction_phases.follow_phases`.
     """
     waiting, ended, undecided, shortest, taken = first, 0, 0.0, 1.0, 0
+    known, body = cell.known, cell.body
     rate = start_rate(start, body, room.pad)
     while waiting > 0 and taken < samples and not body.halt[0] > 0.0:
         waiting -= 1
@@ -200,13 +200,13 @@ def follow_friction_arcs(start, first, samples, stack, patience, budget, limit, 
             room.arc[LOW + j] = stack[INTERVAL * waiting + j]
         for j in range(len(room.ring)):
             room.ring[j] = 0.0
-        begin_arc(start, rate, room, drift, body)
+        begin_arc(start, rate, room, cell.drift, body)
         keep_arc(room)
         wait_arc(room, 0, -1.0, 1.0, -1.0, 1.0)
         arcs, begun = 1, 1
         while arcs > 0:
             before = arcs
-            arcs, fate, row, used = end_of_arc(room, arcs, patience, budget, limit, drift, known, body, wall)
+            arcs, fate, row, used = end_of_arc(room, arcs, scope, cell)
             taken += used
             if fate == PARTED and begun < MOST:
                 begun += arcs - before

@@ -10,12 +10,13 @@ from math import sqrt
 
 from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.sets.box import ENDED, PARTED
+from hknob_cli.engine.general.sets.cell import Centre
 from hknob_cli.engine.general.sets.convex import area_of, widen
 from hknob_cli.engine.general.sets.friction_box import follow_piece
 from hknob_cli.engine.general.sets.friction_piece import part_weight
 from hknob_cli.engine.general.sets.known import NO_ROOM, blame
 from hknob_cli.engine.general.sets.memory import begin_memory, watched
-from hknob_cli.engine.general.sets.piece import WEIGHT, piece_size, put, within
+from hknob_cli.engine.general.sets.piece import WEIGHT, put, within
 from hknob_cli.engine.general.sets.readings import acting, highest, lowest, remembered
 from hknob_cli.engine.general.slide_two import coefficients, step_with_friction
 
@@ -38,20 +39,22 @@ def is_narrow(low, high, body):
     return high - low <= (STRAIGHT if body.friction == 0.0 else NARROWEST)
 
 
-def put_chord(angle, velocity, low, high, weight, room, work, drift, body, wall):
+def put_chord(start, span, weight, room, work, cell):
     """Let the states of an interval of phases wait, at the first sample; how many pieces: with damping, one a reading.
 
-    ``weight``: measure that a piece without a proven end counts. -1: no room.
+    ``start``: angle and velocity; ``weight``: measure that a piece without a proven end counts. -1: no room.
     """
+    drift, body, wall, law = cell.drift, cell.body, cell.wall, cell.known.law
+    angle, velocity = start
     plane = work.plane if body.lag > 0.0 else body
-    a, va = fly(angle, velocity, low, plane)
-    b, vb = fly(angle, velocity, high, plane)
+    a, va = fly(angle, velocity, span[0], plane)
+    b, vb = fly(angle, velocity, span[1], plane)
     x, v = 0.5 * (a + b), 0.5 * (va + vb)
     # The distance from the rest at zero pull never grows: bounds on speed and pull.
     away = angle - body.drive / body.beta
     fastest = sqrt(velocity * velocity + body.beta * away * away)
     rate = sqrt(body.beta) * fastest + body.friction + body.alpha * fastest
-    part = high - low
+    part = span[1] - span[0]
     bulge = 0.125 * part * part * rate
     bulge_v = 0.125 * part * part * (body.beta * fastest + body.alpha * rate)
     if part >= plane.spacing:
@@ -61,7 +64,7 @@ def put_chord(angle, velocity, low, high, weight, room, work, drift, body, wall)
     work.corners[0], work.corners[1], work.corners[2], work.corners[3] = a - x, va - v, b - x, vb - v
     count = widen(work.corners, 2, bulge * 1.001 + 1e-300, bulge_v * 1.001 + 1e-300, work.space)
     error = 4.0 * (drift.once[0] + drift.once[2] * (abs(angle) + abs(x)) + drift.once[3] * fastest)
-    n, delay, watch = body.order, len(work.ring), watched(work.law, wall)
+    size, watch = len(room.own), watched(law, wall)
     work.z[0], work.z[1] = x, v
     least, most = work.corners[0], work.corners[0]
     for k in range(1, count):
@@ -78,54 +81,38 @@ def put_chord(angle, velocity, low, high, weight, room, work, drift, body, wall)
             bottom, top = lowest(level, drift.bottom, watch) - reach - x, highest(level, watch) + reach - x
             kept = within(room, work.corners, count, bottom, top, 2)
         if kept > 0:
-            if (waiting + 1) * piece_size(n, delay) > len(room.stack):
+            if (waiting + 1) * size > len(room.stack):
                 return -1
-            for j in range(2, n):
+            for j in range(2, len(work.z)):
                 work.z[j] = 0.0
-            begin_memory(work.law, level, work.ring)
-            put(
-                room.stack,
-                waiting * piece_size(n, delay),
-                work.z,
-                remembered(level, wall),
-                work.ring,
-                0 * delay,
-                error,
-                0.0,
-                0.0,
-                part_weight(weight, whole, room.halves, kept, body),
-                room.halves,
-                kept,
-                room.middle,
-                drift,
-                2,
-            )
+            begin_memory(law, level, work.ring)
+            share, head = part_weight(weight, whole, room.halves, kept, body), 0 * len(work.ring)
+            centre = Centre(work.z, remembered(level, wall), work.ring, head, error, 0.0, 0.0, share)
+            put(room.stack, waiting * size, centre, room.halves, kept, room.middle, drift, 2)
             waiting += 1
         level += 1.0
     return waiting
 
 
-def follow_interval(angle, velocity, low, high, patience, budget, limit, room, work, drift, known, body, wall):
+def follow_interval(start, span, scope, room, work, cell):
     """Where an interval of phases ends: ``(row, other, proven, pieces, lost, samples)``.
 
     ``row`` of one attractor, ``other`` of a second, -1 where none; given up at the second unless the interval is one of
     the narrowest. ``proven``: whether all that was followed ended in attractors; ``lost``: the measure that did not. Of
     the narrowest without friction the shares are entered.
     """
+    known, body, length = cell.known, cell.body, span[1] - span[0]
     row, other, proven, pieces, lost, taken = -1, -1, True, 0, 0.0, 0
-    narrow = is_narrow(low, high, body)
+    narrow = is_narrow(span[0], span[1], body)
     shared = narrow and body.friction == 0.0
-    blamed = high - low if high - low <= UNPROVEN else 0.0
-    waiting = put_chord(angle, velocity, low, high, blamed, room, work, drift, body, wall)
+    blamed = length if length <= UNPROVEN else 0.0
+    waiting = put_chord(start, span, blamed, room, work, cell)
     if waiting < 0:
         proven, lost = False, blamed
         blame(NO_ROOM, blamed, known)
-    delay = len(work.ring)
     while waiting > 0 and (narrow or (proven and other < 0)) and not body.halt[0] > 0.0:
-        weight = room.stack[(waiting - 1) * piece_size(body.order, delay) + WEIGHT]
-        waiting, fate, found, used = follow_piece(
-            room, work, waiting, delay, 0.0, patience, budget, limit, drift, known, body, wall
-        )
+        weight = room.stack[(waiting - 1) * len(room.own) + WEIGHT]
+        waiting, fate, found, used = follow_piece(room, work, waiting, 0.0, scope, cell)
         taken += used
         if fate == PARTED:
             continue
@@ -145,37 +132,28 @@ def follow_interval(angle, velocity, low, high, patience, budget, limit, room, w
     return row, other, proven, pieces, lost, taken
 
 
-def follow_phases(
-    angle, velocity, first, samples, stack, patience, budget, limit, room, work, drift, known, body, wall
-):
+def follow_phases(start, first, samples, stack, scope, room, work, cell):
     """Follow the intervals of phases that wait until none does or ``samples`` are taken.
 
     Args:
-        angle: Of the start, counts.
-        velocity: Of the start, counts per sample.
+        start: Angle, counts, and velocity, counts per sample.
         first: Intervals that wait, in ``stack``: low and high phase of each.
         samples: That may pass.
         stack: Room for `FIRST` + `HALVINGS` + 2 intervals.
-        patience: As in `friction_box.follow_piece`.
-        budget: Samples that a motion may take.
-        limit: Position past which a motion has diverged.
+        scope: `scope.Scope`.
         room: `room.PieceRoom`.
         work: `friction_room.FrictionRoom`.
-        drift: `friction_room.friction_drift`.
-        known: `ends.Known`; shares are entered into its table.
-        body: The body.
-        wall: The controller.
+        cell: `cell.Cell`, its bounds as `friction_room.friction_drift` has them; shares are entered into its table.
 
     Returns ``(waiting, ended, undecided, shortest, taken)``: intervals that wait still and that ended; the length of
     those without a proven end; the shortest; and samples.
     """
     waiting, ended, undecided, shortest, taken = first, 0, 0.0, 1.0, 0
+    known, body = cell.known, cell.body
     while waiting > 0 and taken < samples and not body.halt[0] > 0.0:
         waiting -= 1
         low, high = stack[2 * waiting], stack[2 * waiting + 1]
-        row, other, proven, pieces, lost, used = follow_interval(
-            angle, velocity, low, high, patience, budget, limit, room, work, drift, known, body, wall
-        )
+        row, other, proven, pieces, lost, used = follow_interval(start, (low, high), scope, room, work, cell)
         taken += used
         if body.halt[0] > 0.0:
             return waiting + 1, ended, undecided, shortest, taken  # as it was, among those that wait

@@ -6,11 +6,12 @@ part remembers what it read. States differ in angle and speed alone: a torque th
 """
 
 from hknob_cli.engine.certificate import EPSILON
+from hknob_cli.engine.general.sets.cell import Centre
 from hknob_cli.engine.general.sets.convex import MOST_CORNERS, area_of, drop_edge, keep_side, widen, widest
 from hknob_cli.engine.general.sets.friction_step import CUT, HELD, MOST_CUTS, move_set
 from hknob_cli.engine.general.sets.lagged_step import DEEPEST, LAGS, LATER, LEFT, depth_at, move_lagged
-from hknob_cli.engine.general.sets.memory import command_all, first_look, looks_of, watched
-from hknob_cli.engine.general.sets.piece import SPREAD, halve, piece_size, put, within
+from hknob_cli.engine.general.sets.memory import command_all, first_look, watched
+from hknob_cli.engine.general.sets.piece import SPREAD, halve, put, within
 from hknob_cli.engine.general.sets.readings import acting, highest, lowest, next_level, remembered
 
 PART, CUTS, LATE, APART, DEPTH, X, V, WEIGHT, COUNT, CORNERS = range(10)  # numbers of a set within an interval
@@ -47,52 +48,70 @@ def part_weight(weight, whole, corners, count, body):
     return max(weight * min(max(area_of(corners, count) / whole, LEAST_PART), 1.0), LEAST_WEIGHT)
 
 
-def begin_set(work, at, part, cuts, x, v, weight, corners, count):
-    """Enter a set that is ``part`` parts into the interval, is cut so often in this one, and has read ``work.seen``.
+def begin_set(work, at, place, cuts, corners, count):
+    """Enter a set that is cut so often in its part of an interval, and has read ``work.seen``.
 
-    With a lag ``part`` may end in a fraction, and ``work.acts`` has the torque that acts.
+    ``place``: how many parts of the interval it has passed, its centre's position and velocity, and its weight. With
+    a lag the parts may end in a fraction, and ``work.acts`` has the torque that acts.
     """
-    looks = looks_of(work.law)
+    looks = len(work.seen)
     base = at * (SET + looks)
-    work.sets[base + PART], work.sets[base + CUTS], work.sets[base + COUNT] = part, float(cuts), float(count)
+    work.sets[base + PART], work.sets[base + X], work.sets[base + V], work.sets[base + WEIGHT] = place
+    work.sets[base + CUTS], work.sets[base + COUNT] = float(cuts), float(count)
     for k in range(ACTS):
         work.sets[base + LATE + k] = work.acts[k]
-    work.sets[base + X], work.sets[base + V], work.sets[base + WEIGHT] = x, v, weight
     for k in range(2 * count):
         work.sets[base + CORNERS + k] = corners[k]
     for k in range(looks):
         work.sets[base + SET + k] = work.seen[k]
 
 
-def begin_halves(room, work, at, part, x, v, weight, count, body):
+def take_set(work, at):
+    """Leave in ``work`` the set that waits at this place: its place in the interval, how often it is cut, corners."""
+    base = at * (SET + len(work.seen))
+    count = int(work.sets[base + COUNT])
+    for k in range(ACTS):
+        work.acts[k] = work.sets[base + LATE + k]
+    for k in range(2 * count):
+        work.corners[k] = work.sets[base + CORNERS + k]
+    for k in range(len(work.seen)):
+        work.seen[k] = work.sets[base + SET + k]
+    place = work.sets[base + PART], work.sets[base + X], work.sets[base + V], work.sets[base + WEIGHT]
+    return place, int(work.sets[base + CUTS]), count
+
+
+def begin_halves(room, work, at, place, count, body):
     """Enter the set in ``room.halves``, simpler if it has too many corners; how many sets there are then.
 
     With friction the simpler one is around it. Without, where measures are areas, it is in two halves.
     """
+    part, x, v, weight = place
     if count > MOST_CORNERS and body.friction == 0.0:
         whole = area_of(room.halves, count)
         count, other = halve(room, count, 2)
-        begin_set(work, at, part, 0, x, v, part_weight(weight, whole, room.parts, other, body), room.parts, other)
+        share = part_weight(weight, whole, room.parts, other, body)
+        begin_set(work, at, (part, x, v, share), 0, room.parts, other)
         weight = part_weight(weight, whole, room.halves, count, body)
         at += 1
     while count > MOST_CORNERS:
         count = drop_edge(room.halves, count)
-    begin_set(work, at, part, 0, x, v, weight, room.halves, count)
+    begin_set(work, at, (part, x, v, weight), 0, room.halves, count)
     return at + 1
 
 
-def look_at_set(room, work, at, part, x, v, weight, count, error, look, body, drift, wall):
+def look_at_set(room, work, at, place, count, error, look, cell):
     """Cut the set in ``work.corners`` where a look into the interval tells readings apart; how many sets there are.
 
     As `part_piece` does at a sample: each part goes beyond its edges by what ``error`` may come to. -1: no room.
     """
-    watch = watched(work.law, wall)
+    drift, body, watch = cell.drift, cell.body, watched(cell.known.law, cell.wall)
+    part, x, v, weight = place
     least, most = work.corners[0], work.corners[0]
     for k in range(1, count):
         least, most = min(least, work.corners[2 * k]), max(most, work.corners[2 * k])
     reach = body.reach * error + 8.0 * EPSILON * abs(x)
     level, last = acting(x + least - reach, drift.bottom, watch), acting(x + most + reach, drift.bottom, watch)
-    whole, room_for = area_of(work.corners, count), len(work.sets) // (SET + looks_of(work.law))
+    whole, room_for = area_of(work.corners, count), len(work.sets) // (SET + len(work.seen))
     while level <= last:
         bottom, top = lowest(level, drift.bottom, watch) - reach - x, highest(level, watch) + reach - x
         kept = within(room, work.corners, count, bottom, top, 2)
@@ -101,12 +120,12 @@ def look_at_set(room, work, at, part, x, v, weight, count, error, look, body, dr
                 return -1
             work.seen[look] = level
             share = part_weight(weight, whole, room.halves, kept, body)
-            at = begin_halves(room, work, at, part, x, v, share, kept, body)
+            at = begin_halves(room, work, at, (part, x, v, share), kept, body)
         level = next_level(level, watch)
     return at
 
 
-def cut_set(work, at, part, cuts, x, v, weight, count):
+def cut_set(work, at, place, cuts, count):
     """Put both sides of a set that is cut by ``work.line`` in its place; how many sets there are then, 0: one side.
 
     The set itself is in ``work.corners``, and is left there.
@@ -116,27 +135,27 @@ def cut_set(work, at, part, cuts, x, v, weight, count):
     under = keep_side(work.corners, count, -a, -b, -c, work.other)
     if over == 0 or under == 0:
         return 0
-    begin_set(work, at, part, cuts + 1, x, v, weight, work.one, over)
-    begin_set(work, at + 1, part, cuts + 1, x, v, weight, work.other, under)
+    begin_set(work, at, place, cuts + 1, work.one, over)
+    begin_set(work, at + 1, place, cuts + 1, work.other, under)
     return at + 2
 
 
-def move_over_part(lags, work, part, x, v, count, least, body):
+def move_over_part(work, place, count, least, body):
     """Move the set in ``work.corners`` over the part of a hold, or over half of it: ``(fate, x, v, late, count)``.
 
-    ``lags``: None without a lag, and the compiler leaves out what only a lag needs. ``work.acts`` tells the torque, and
-    which half; ``late`` is the torque then. ``least``: as `friction_step.move_set` has it, infinite where the set is
-    not to be cut.
+    ``work.acts`` tells the torque, and which half; ``late`` is the torque then. ``least``: as `friction_step.move_set`
+    has it, infinite where the set is not to be cut.
     """
+    part, x, v, _ = place
     leg = int(part) * LEG
     u = work.torques[int(work.course[leg + TORQUE])]
-    if lags is None:
+    if work.lags is None:
         span, s, g, f = work.course[leg + SPAN], work.course[leg + S], work.course[leg + G], work.course[leg + F]
         fate, x, v, count = move_set(x, v, u, span, s, g, f, work.corners, count, least, body, work.space, work.line)
         return fate, x, v, 0.0, count
     at = int(work.halves[int(part)]) + int(work.acts[2]) * LAGS
     for k in range(LAGS):
-        work.lag[k] = lags[at + k]
+        work.lag[k] = work.lags[at + k]
     halve = work.acts[2] < DEEPEST
     return move_lagged(
         x,
@@ -158,93 +177,82 @@ def move_over_part(lags, work, part, x, v, count, least, body):
     )
 
 
-def move_piece(
-    room, work, waiting, z, before, ring, head, error, level, sample, weight, corners, count, drift, body, wall
-):
-    """Move a piece over one interval, acting as ``level``, and let what becomes of it wait; how many then, -1: no room.
+def end_set(room, work, waiting, place, count, centre, cell):
+    """Let a set that has passed the interval wait as a piece, told from what ``centre`` has become; how many do then.
 
-    The piece is told from ``z``, which is left alone, as ``ring`` is. The piece in ``room.own`` says how far
-    torques that lag may differ from that of ``z``.
+    -1: no room.
     """
-    delay = len(ring)
+    size = len(room.own)
+    if (waiting + 1) * size > len(room.stack):
+        return -1
+    _, x, v, weight = place
+    work.z[0], work.z[1] = x, v
+    if cell.body.lag > 0.0:
+        work.z[2] = work.acts[0]
+    for k in range(len(work.seen)):
+        work.ring[first_look(cell.known.law) + k] = work.seen[k]
+    before, level, sample = remembered(centre.level, cell.wall), centre.level, centre.sample + 1.0
+    end = Centre(work.z, before, work.ring, centre.head, centre.error, level, sample, weight)
+    put(room.stack, waiting * size, end, work.corners, count, room.middle, cell.drift, 2)
+    room.stack[waiting * size + SPREAD] = work.acts[1]
+    return waiting + 1
+
+
+def move_piece(room, work, waiting, centre, count, cell):
+    """Move the piece in ``room.corners`` over an interval, and let what becomes of it wait; how many then, -1: no room.
+
+    It acts as its level. Its centre is left alone. The piece in ``room.own`` says how far torques that lag may differ
+    from that of the centre.
+    """
+    drift, body, law = cell.drift, cell.body, cell.known.law
+    z, ring, error, delay = centre.z, centre.ring, centre.error, len(centre.ring)
     for j in range(delay):
-        work.ring[j] = ring[(head + j) % delay]
-    to, largest = command_all(work.law, level, before, work.ring, wall, work.torques)
+        work.ring[j] = ring[(centre.head + j) % delay]
+    to, largest = command_all(law, centre.level, centre.before, work.ring, cell.wall, work.torques)
     error += drift.once[0] + drift.once[1] * largest + drift.once[2] * abs(z[0]) + drift.once[3] * abs(z[1])
     for k in range(ACTS):
         work.acts[k] = 0.0
     if body.lag > 0.0:
         work.acts[0], work.acts[1] = z[2], room.own[SPREAD]
         error += drift.once[4] * abs(z[2])
-    error += drift.blur * widest(corners, count, body)
-    legs, looks, size = len(work.course) // LEG, looks_of(work.law), piece_size(len(z), delay)
-    wide = SET + looks
-    most = len(work.sets) // wide
-    begin_set(work, 0, 0.0, 0, z[0], z[1], weight, corners, count)
+    error += drift.blur * widest(room.corners, count, body)
+    then = Centre(z, centre.before, ring, to, error, centre.level, centre.sample, centre.weight)
+    legs, most = len(work.course) // LEG, len(work.sets) // (SET + len(work.seen))
+    begin_set(work, 0, (0.0, z[0], z[1], centre.weight), 0, room.corners, count)
     sets = 1
     while sets > 0:
         sets -= 1
-        base = sets * wide
-        part, cuts, kept = work.sets[base + PART], int(work.sets[base + CUTS]), int(work.sets[base + COUNT])
-        for k in range(ACTS):
-            work.acts[k] = work.sets[base + LATE + k]
-        x, v, weight = work.sets[base + X], work.sets[base + V], work.sets[base + WEIGHT]
-        for k in range(2 * kept):
-            work.corners[k] = work.sets[base + CORNERS + k]
-        for k in range(looks):
-            work.seen[k] = work.sets[base + SET + k]
+        place, cuts, kept = take_set(work, sets)
+        part, _, _, weight = place
         if part == legs:
-            if (waiting + 1) * size > len(room.stack):
+            waiting = end_set(room, work, waiting, place, kept, then, cell)
+            if waiting < 0:
                 return -1
-            work.z[0], work.z[1] = x, v
-            if body.lag > 0.0:
-                work.z[2] = work.acts[0]
-            for k in range(looks):
-                work.ring[first_look(work.law) + k] = work.seen[k]
-            put(
-                room.stack,
-                waiting * size,
-                work.z,
-                remembered(level, wall),
-                work.ring,
-                to,
-                error,
-                level,
-                sample + 1.0,
-                weight,
-                work.corners,
-                kept,
-                room.middle,
-                drift,
-                2,
-            )
-            room.stack[waiting * size + SPREAD] = work.acts[1]
-            waiting += 1
             continue
         least = work.least[0] if cuts < MOST_CUTS and sets + 2 <= most else float("inf")
-        fate, to_x, to_v, later, after = move_over_part(work.lags, work, part, x, v, kept, least, body)
+        fate, x, v, later, after = move_over_part(work, place, kept, least, body)
         while fate == LATER:
             work.acts[2] += 1.0
-            fate, to_x, to_v, later, after = move_over_part(work.lags, work, part, x, v, kept, least, body)
+            fate, x, v, later, after = move_over_part(work, place, kept, least, body)
         if fate == CUT:
-            more = cut_set(work, sets, part, cuts, x, v, weight, kept)
+            more = cut_set(work, sets, place, cuts, kept)
             if more > 0:
                 sets = more
                 continue
             # Within rounding of the line: the enclosure is taken as it is.
-            fate, to_x, to_v, later, after = move_over_part(work.lags, work, part, x, v, kept, float("inf"), body)
+            fate, x, v, later, after = move_over_part(work, place, kept, float("inf"), body)
         if body.friction > 0.0:
             while after > MOST_CORNERS:
                 after = drop_edge(work.corners, after)
-        if fate != HELD and stands(to_v, work.corners, after):
-            after = widen(work.corners, after, 0.0, TINY + EPSILON * abs(to_v), work.space)
-        look, then = int(work.course[int(part) * LEG + LOOK]), part + 1.0
+        if fate != HELD and stands(v, work.corners, after):
+            after = widen(work.corners, after, 0.0, TINY + EPSILON * abs(v), work.space)
+        look, passed = int(work.course[int(part) * LEG + LOOK]), part + 1.0
         if body.lag > 0.0:
-            then = part + 0.5 ** work.acts[2]
+            passed = part + 0.5 ** work.acts[2]
             work.acts[0], work.acts[1] = later, work.acts[1] * work.lag[LEFT]
-            work.acts[2] = depth_at(then, work.acts[2])
-        if look >= 0 and then % 1.0 == 0.0:
-            sets = look_at_set(room, work, sets, then, to_x, to_v, weight, after, error, look, body, drift, wall)
+            work.acts[2] = depth_at(passed, work.acts[2])
+        if look >= 0 and passed % 1.0 == 0.0:
+            sets = look_at_set(room, work, sets, (passed, x, v, weight), after, error, look, cell)
             if sets < 0:
                 return -1
             continue
@@ -252,44 +260,30 @@ def move_piece(
             return -1
         for k in range(2 * after):
             room.halves[k] = work.corners[k]
-        sets = begin_halves(room, work, sets, then, to_x, to_v, weight, after, body)
+        sets = begin_halves(room, work, sets, (passed, x, v, weight), after, body)
     return waiting
 
 
-def part_piece(
-    room, waiting, z, before, ring, head, error, reach, sample, weight, corners, count, low, high, drift, body, wall
-):
-    """Cut a piece at the edges that change the command, and let the parts wait; how many pieces wait then, -1: no room.
+def part_piece(room, waiting, centre, count, low, high, reach, cell):
+    """Cut the piece in ``room.corners`` where the command changes; how many pieces wait then, -1: no room.
 
     ``low`` and ``high``: the readings it has; ``reach``: position by which each part goes beyond its edges. So whatever
     a state truly reads, a part that acts as this reading holds the state. A part waits at the same sample: half a
     sample more says that how it acts is settled.
     """
-    size, level, whole = piece_size(len(z), len(ring)), low, area_of(corners, count)
+    drift, body, watch = cell.drift, cell.body, watched(cell.known.law, cell.wall)
+    size, level, whole = len(room.own), low, area_of(room.corners, count)
+    z, sample = centre.z, centre.sample + 0.5
     while level <= high:
-        bottom, top = lowest(level, drift.bottom, wall) - reach - z[0], highest(level, wall) + reach - z[0]
-        kept = within(room, corners, count, bottom, top, 2)
+        bottom, top = lowest(level, drift.bottom, watch) - reach - z[0], highest(level, watch) + reach - z[0]
+        kept = within(room, room.corners, count, bottom, top, 2)
         if kept > 0:
             if (waiting + 1) * size > len(room.stack):
                 return -1
-            put(
-                room.stack,
-                waiting * size,
-                z,
-                before,
-                ring,
-                head,
-                error,
-                level,
-                sample + 0.5,
-                part_weight(weight, whole, room.halves, kept, body),
-                room.halves,
-                kept,
-                room.middle,
-                drift,
-                2,
-            )
+            weight = part_weight(centre.weight, whole, room.halves, kept, body)
+            acts = Centre(z, centre.before, centre.ring, centre.head, centre.error, level, sample, weight)
+            put(room.stack, waiting * size, acts, room.halves, kept, room.middle, drift, 2)
             room.stack[waiting * size + SPREAD] = room.own[SPREAD]
             waiting += 1
-        level = next_level(level, wall)
+        level = next_level(level, watch)
     return waiting

@@ -19,27 +19,29 @@ from hknob_cli.engine.general.standstill import rest_rounding
 UNKNOWN = -1
 
 
-def enter_rest(x, shown, u, ring, known, body, wall):
-    """Row of the rest at ``x``, which reads ``shown``, under the torque ``u``."""
+def enter_rest(x, shown, u, centre, cell):
+    """Row of the rest at ``x``, which reads ``shown``, under the torque ``u``, of a set told from ``centre``."""
+    known, body = cell.known, cell.body
     known.z[0], known.z[1] = x, 0.0
     if body.lag > 0.0:
         known.z[2] = u
-    copy_settled(known.law, ring, known.ring)
-    return add_end(REST_PROVEN, 1, shown, 0 * len(ring), known, body, wall)
+    copy_settled(known.law, centre.ring, known.ring)
+    return add_end(REST_PROVEN, 1, shown, 0 * len(centre.ring), known, body, cell.wall)
 
 
-def held_rest(low, high, zone_low, zone_high, blur, shift, level, reach, u, ring, known, drift, body, wall):
-    """Row of a rest where states that stand from ``low`` to ``high`` stay; all readings that it can have are entered.
+def held_rest(span, zone, shift, reach, u, centre, cell):
+    """Row of a rest where the states of a ``span`` that stand stay; all readings that it can have are entered.
 
-    ``reach``: by which true positions may lie beyond. Those that truly act as ``level`` count. What is not held never
-    gets farther from the end of the zone than it is: it ends there, or as far into the zone. ``blur``: by which the
-    zone may truly go on beyond either end; a count that is reached only there is not known to have a rest or to have
-    none. ``shift``: by which a torque that has not come to its end may still move the zone; where it does, all must
-    stand inside what is left of the zone at any time.
+    ``zone``: from where to where friction holds a knob, and by how much that may truly go on beyond either end; a count
+    that is reached only there is not known to have a rest or to have none. ``reach``: by which true positions may lie
+    beyond the span. Those that truly act as the centre's level count. What is not held never gets farther from the end
+    of the zone than it is: it ends there, or as far into the zone. ``shift``: by which a torque that has not come to
+    its end may still move the zone; where it does, all must stand inside what is left of the zone at any time.
     """
-    watch = watched(known.law, wall)
-    bottom, top = lowest(level, drift.bottom, watch), highest(level, watch)
-    low, high = low - reach, high + reach
+    zone_low, zone_high, blur = zone
+    wall, level, watch = cell.wall, centre.level, watched(cell.known.law, cell.wall)
+    bottom, top = lowest(level, cell.drift.bottom, watch), highest(level, watch)
+    low, high = span[0] - reach, span[1] + reach
     if shift > 0.0 and not (zone_low + shift <= low and high <= zone_high - shift):
         return UNKNOWN
     under, over = max(0.0, zone_low - low), max(0.0, high - zone_high)
@@ -57,53 +59,56 @@ def held_rest(low, high, zone_low, zone_high, blur, shift, level, reach, u, ring
         at = min(max(middle, lower_edge(shown, wall) + inside), upper_edge(shown, wall) - inside)
         if not (zone_low <= at and at <= zone_high):
             return UNKNOWN
-        row = enter_rest(at, shown, u, ring, known, body, wall)
+        row = enter_rest(at, shown, u, centre, cell)
         if row == FULL:
             return row
         shown += 1.0
     return row
 
 
-def balance_rest(z, u, wrong, reach, level, ring, known, drift, body, wall):
-    """Row of the rest without friction that all states within ``reach``, counts, of ``z`` come to, acting as ``level``.
+def balance_rest(centre, reach, u, wrong, cell):
+    """Row of the rest without friction that all states within ``reach``, counts, of a centre come to.
 
     ``wrong``: bound on the rounding of the torque ``u``.
     """
-    watch, away = watched(known.law, wall), known.space.away
+    body, z, level = cell.body, centre.z, centre.level
+    watch, away = watched(cell.known.law, cell.wall), cell.known.space.away
     rest = (u + body.drive) / body.beta
     for j in range(body.order):
         away[j] = 0.0  # what a torque that lags still adds is in ``reach``
     away[0], away[1] = z[0] - rest, z[1]
-    gap = min(rest - lowest(level, drift.bottom, watch), highest(level, watch) - rest)
+    gap = min(rest - lowest(level, cell.drift.bottom, watch), highest(level, watch) - rest)
     bound = rest_rounding(z, rest, abs(u) + wrong / (ROUNDINGS * EPSILON), body)
     if not (body.reach * norm(away, body) + reach) * (1.0 + 1e-9) + 1e-12 + bound < gap:
         return UNKNOWN
-    return enter_rest(rest, read(rest, wall), u, ring, known, body, wall)
+    return enter_rest(rest, read(rest, cell.wall), u, centre, cell)
 
 
-def near_rest(z, u, reach, zone_low, zone_high, level, ring, known, body, wall):
-    """Row of the rest that all states within ``reach``, counts, of ``z`` come to within one reading."""
-    shown, away = read(z[0], wall), known.space.away
+def near_rest(centre, reach, u, zone, cell):
+    """Row of the rest that all states within ``reach``, counts, of a centre come to within one reading."""
+    body, wall, z = cell.body, cell.wall, centre.z
+    shown, away = read(z[0], wall), cell.known.space.away
     low, high = lower_edge(shown, wall), upper_edge(shown, wall)
-    if not keeps_torque(known.law, z[0], level, u, wall):
+    if not keeps_torque(cell.known.law, z[0], centre.level, u, wall):
         return UNKNOWN
     for j in range(body.order):
         away[j] = 0.0
     for k in range(2):
-        rest = min(max(z[0] if k == 0 else 0.5 * (low + high), zone_low), zone_high)
+        rest = min(max(z[0] if k == 0 else 0.5 * (low + high), zone[0]), zone[1])
         away[0], away[1] = z[0] - rest, z[1]
         gap = min(rest - low, high - rest)
         if (body.reach * norm(away, body) + reach) * (1.0 + 1e-9) + 64.0 * EPSILON * (1.0 + abs(rest)) < gap:
-            return enter_rest(rest, shown, u, ring, known, body, wall)
+            return enter_rest(rest, shown, u, centre, cell)
     return UNKNOWN
 
 
-def resting_piece(z, before, ring, error, radius, level, corners, count, known, drift, body, wall):
+def resting_piece(centre, error, radius, corners, count, cell):
     """Row of the rest where all states of a piece end, `known.FULL` without room for it, -1 if none is known to.
 
-    ``error`` and ``radius``: in `body.norm`.
+    ``error``: of its centre, with all that torques may still add; ``radius``: both in `body.norm`.
     """
-    still, u, wrong, left = settle_memory(known.law, z[0], level, before, ring, wall)
+    z, body, wall = centre.z, cell.body, cell.wall
+    still, u, wrong, left = settle_memory(cell.known.law, z[0], centre.level, centre.before, centre.ring, wall)
     if not still:
         return UNKNOWN
     late = 0.0
@@ -114,20 +119,19 @@ def resting_piece(z, before, ring, error, radius, level, corners, count, known, 
     # By what torques still differ the distance of two motions grows, at most.
     away = body.reach * (radius + error + left)
     if body.friction == 0.0:
-        return balance_rest(z, u, wrong, away, level, ring, known, drift, body, wall)
-    stiffness, zone_low, zone_high = hold_zone(u, level, body, wall)
+        return balance_rest(centre, away, u, wrong, cell)
+    stiffness, zone_low, zone_high = hold_zone(u, centre.level, body, wall)
     if wrong > 0.0:
         zone_low, zone_high = zone_low + wrong / stiffness, zone_high - wrong / stiffness
     if zone_low > zone_high:
         return UNKNOWN
+    zone = zone_low, zone_high, 2.0 * body.friction / stiffness - (zone_high - zone_low)
     if stands(z[1], corners, count):
         least, most = corners[0], corners[0]
         for k in range(1, count):
             least, most = min(least, corners[2 * k]), max(most, corners[2 * k])
         reach = body.reach * error + 8.0 * EPSILON * abs(z[0])
-        low, high, shift = z[0] + least, z[0] + most, (left + late) / body.beta
-        blur = 2.0 * body.friction / stiffness - (zone_high - zone_low)
-        row = held_rest(low, high, zone_low, zone_high, blur, shift, level, reach, u, ring, known, drift, body, wall)
+        row = held_rest((z[0] + least, z[0] + most), zone, (left + late) / body.beta, reach, u, centre, cell)
         if row != UNKNOWN:
             return row
-    return near_rest(z, u, away, zone_low, zone_high, level, ring, known, body, wall)
+    return near_rest(centre, away, u, zone, cell)

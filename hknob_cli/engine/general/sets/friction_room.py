@@ -27,8 +27,8 @@ class FrictionRoom(NamedTuple):
     """Work space of `friction_piece`.
 
     ``course``: parts of an interval, `friction_piece.LEG` numbers each; ``least[0]``: radius below which sets are not
-    cut within it; ``torques``: of an interval; ``law``: of a controller, or None; ``sets``: that wait within an
-    interval; ``seen``: what one has read within it. With a lag ``acts``: the torque of one; ``plane``: the body without
+    cut within it; ``torques``: of an interval; ``sets``: that wait within an interval; ``seen``: what one has read
+    within it. With a lag ``acts``: the torque of one; ``plane``: the body without
     lag; ``lags``: halves, and halves of these, of each length that a part has, `lagged_step.LAGS` numbers each, and
     ``halves``: where those of each part begin. Without a lag ``lags`` is None. The others: of one set.
     """
@@ -52,7 +52,6 @@ class FrictionRoom(NamedTuple):
     lag: Any
     moved: Any
     pad: Any
-    law: Any = None
 
 
 def plane_of(body: Body) -> Body:
@@ -158,7 +157,6 @@ def make_friction_room(
         lag=zeros(LAGS),
         moved=zeros(body.order),
         pad=zeros(2 * body.order),
-        law=law,
     )
 
 

@@ -10,7 +10,6 @@ from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.attractors import Search, StoppedError, ranked, time_allowed, whole
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller
-from hknob_cli.engine.general.search import as_list
 from hknob_cli.engine.general.sets import friction_box, friction_phases
 from hknob_cli.engine.general.sets.drift import Drift
 from hknob_cli.engine.general.sets.ends import Known, ends_of, why_not
@@ -67,11 +66,9 @@ class FrictionSetEngine(GeneralSetEngine):
         """What follows the intervals of phases that wait, called with them, and the ends that it enters."""
         room = self.room(body, delay_line)
         work = make_friction_room(self._zeros, self._filled, delay_line, body, wall, self.law)
-        wall = wall if self.compiled else as_list(wall)
-        body, drift, known = self.ready(body, wall, delay_line)
-        follow = partial(self._function(friction_phases, "follow_phases"), start[0], start[1])
-        rest = scope.patience, scope.budget, scope.limit, room, work, drift, known, body, wall
-        return lambda *some: follow(*some, *rest), known
+        cell = self.ready(body, wall, delay_line)
+        follow = partial(self._function(friction_phases, "follow_phases"), (start[0], start[1]))
+        return lambda *some: follow(*some, scope, room, work, cell), cell.known
 
     def search_phases(
         self,

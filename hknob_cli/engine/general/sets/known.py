@@ -176,19 +176,21 @@ def blame(fate, weight, known):
     known.why[fate] += weight
 
 
-def seek(z, before, ring, head, budget, limit, known, body, wall):
-    """What the trial from one state ends in, entered where it is new: ``(row, samples)``, the row below 0 if unknown.
+def seek(centre, scope, cell):
+    """What the trial from a centre ends in, entered where it is new: ``(row, samples)``, the row below 0 if unknown.
 
-    ``z`` and ``ring`` are left alone.
+    The centre is left alone. It may take as many samples as ``scope.budget`` leaves it.
     """
-    n, delay = body.order, len(ring)
-    for j in range(n):
-        known.z[j] = z[j]
+    known, delay, budget = cell.known, len(centre.ring), scope.budget - int(centre.sample)
+    for j in range(len(centre.z)):
+        known.z[j] = centre.z[j]
     for j in range(delay):
-        known.ring[j] = ring[(head + j) % delay]
-    fate, period, before, head, used = find_end(known.law, before, budget, limit, known, body, wall)
+        known.ring[j] = centre.ring[(centre.head + j) % delay]
+    fate, period, before, head, used = find_end(
+        known.law, centre.before, budget, scope.limit, known, cell.body, cell.wall
+    )
     if fate == KNOWN:
         return period, used
     if not (period > 0 or fate == GREW):
         return UNPROVEN_END, used
-    return add_end(fate, period, before, head, known, body, wall), used
+    return add_end(fate, period, before, head, known, cell.body, cell.wall), used

@@ -54,23 +54,24 @@ def slot(i, j, late, before, ring, head, room):
     return at
 
 
-def keep(room, z, before, ring, head, error, level, sample, weight, corners, count, width, drift, body):
+def keep(room, centre, corners, count, width, drift, body):
     """Enter a small piece into the lattice whose cells are ``width`` counts wide; whether there was room.
 
     The piece in ``room.own`` says how far torques that lag may differ from that of ``z``.
     """
+    z, ring, head, error = centre.z, centre.ring, centre.head, centre.error
     delay = len(ring)
     scale = 1.0 / body.reach
     i, j = z[0] / width // 1.0, z[1] / (scale * width) // 1.0
     late = late_cell(z, width, body)
-    at = slot(i, j, late, before, ring, head, room)
+    at = slot(i, j, late, centre.before, ring, head, room)
     size = piece_size(len(z), delay)
     if room.used[at] == 0.0:
         if 2 * room.counts[0] >= len(room.used):
             return False
         room.used[at] = 1.0
         key = (KEY + delay) * at
-        room.keys[key], room.keys[key + 1], room.keys[key + 2], room.keys[key + 3] = i, j, late, before
+        room.keys[key], room.keys[key + 1], room.keys[key + 2], room.keys[key + 3] = i, j, late, centre.before
         for k in range(delay):
             room.keys[key + KEY + k] = ring[(head + k) % delay]
         room.taken[int(room.counts[0])] = at
@@ -79,27 +80,12 @@ def keep(room, z, before, ring, head, error, level, sample, weight, corners, cou
         room.cells[CELL * at + LOW_X], room.cells[CELL * at + HIGH_X] = float("inf"), -float("inf")
         room.cells[CELL * at + LOW_V], room.cells[CELL * at + HIGH_V] = float("inf"), -float("inf")
         room.cells[CELL * at + LOW_LATE], room.cells[CELL * at + HIGH_LATE] = float("inf"), -float("inf")
-        put(
-            room.singles,
-            size * at,
-            z,
-            before,
-            ring,
-            head,
-            error,
-            level,
-            sample,
-            0.0,
-            corners,
-            count,
-            room.middle,
-            drift,
-            2,
-        )
+        put(room.singles, size * at, centre, corners, count, room.middle, drift, 2)
+        room.singles[size * at + WEIGHT] = 0.0
         room.singles[size * at + SPREAD] = room.own[SPREAD]
     base = CELL * at
     room.cells[base + MEMBERS] += 1.0
-    room.singles[size * at + WEIGHT] += weight
+    room.singles[size * at + WEIGHT] += centre.weight
     slack = body.reach * error + 4.0 * EPSILON * abs(z[0])
     slack_v = error + 4.0 * EPSILON * abs(z[1])
     if body.lag > 0.0:

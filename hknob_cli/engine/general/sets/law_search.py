@@ -22,15 +22,12 @@ from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.attractors import USUAL, Patience
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.captured import FIELDS
-from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.laws.law import Law
 from hknob_cli.engine.general.laws.step import begin_past
 from hknob_cli.engine.general.sets import box
-from hknob_cli.engine.general.sets.drift import Drift
-from hknob_cli.engine.general.sets.ends import Known
+from hknob_cli.engine.general.sets.cell import Cell
 from hknob_cli.engine.general.sets.friction_search import LONGEST, FrictionSetEngine
-from hknob_cli.engine.general.sets.piece import BEFORE, STATE, piece_size
-from hknob_cli.engine.general.sets.room import PieceRoom
+from hknob_cli.engine.general.sets.piece import BEFORE, STATE
 from hknob_cli.engine.general.sets.scope import Scope
 from hknob_cli.engine.general.sets.search import GeneralSetEngine
 from hknob_cli.engine.sets.search import SAMPLED, Box
@@ -56,14 +53,10 @@ class _UnderLaw(GeneralSetEngine):
         super().__init__(functions, stopped, patience)
         self.law = law
 
-    def _fill(
-        self, states: Box, room: Any, delay_line: int, drift: Drift, _known: Known, body: Body, _wall: Controller
-    ) -> int:
+    def _fill(self, states: Box, room: Any, cell: Cell) -> int:
         """As that of `GeneralSetEngine`; each piece remembers what the law does before it reads the first time."""
-        waiting = int(
-            self._function(box, "fill_box")(*states, delay_line, room, drift, self.plane(body), self.law.watch)
-        )
-        size = piece_size(body.order, delay_line)
+        waiting, body, delay_line = super()._fill(states, room, cell), cell.body, len(room.own_ring)
+        size = len(room.own)
         past = self._zeros(delay_line)
         for k in range(waiting):
             begin_past(past, room.stack[k * size + BEFORE], self.law)
@@ -88,13 +81,11 @@ class LawSetEngine(_UnderLaw, FrictionSetEngine):
         """Whether shares of ranges are areas, which friction does not keep."""
         return body.friction == 0.0
 
-    def _sample(
-        self, states: Box, scope: Scope, room: Any, cell: tuple[Any, ...], alarm: Alarm
-    ) -> tuple[int, int, int]:
+    def _sample(self, states: Box, scope: Scope, room: Any, cell: Cell, alarm: Alarm) -> tuple[int, int, int]:
         """As that of `GeneralSetEngine`. Where shares are areas, random starts only find ends to compare with."""
         taken, unproven, followed = super()._sample(states, scope, room, cell, alarm)
-        _, known, body, _ = cell
-        if not self.by_area(body):
+        known = cell.known
+        if not self.by_area(cell.body):
             return taken, unproven, followed
         for row in range(int(known.counts[0])):
             known.table[row * FIELDS + 6] = 0.0
@@ -107,7 +98,3 @@ class LawStatesEngine(_UnderLaw):
     def longest(self, _body: Body) -> int:
         """As that of `FrictionSetEngine`."""
         return LONGEST
-
-    def room(self, body: Body, delay_line: int) -> PieceRoom:
-        """As that of `GeneralSetEngine`."""
-        return super().room(body, delay_line)._replace(law=self.law)

@@ -39,13 +39,6 @@ def watched(law, wall):
     return law.watch
 
 
-def looks_of(law):
-    """How often the encoder is read within an interval, beside its samples."""
-    if law is None:
-        return 0
-    return law.looks
-
-
 def first_look(law):
     """Where in what is remembered the readings of these looks are."""
     if law is None:

@@ -5,10 +5,14 @@ turning points make of the count what is told of the part.
 """
 
 from hknob_cli.engine.general.controller import lower_edge, upper_edge
+from hknob_cli.engine.general.sets.cell import acting_as
 from hknob_cli.engine.general.sets.memory import watched
-from hknob_cli.engine.general.sets.piece import BEFORE, CORNERS, STATE, clip_by, halve, move_piece, piece_size, within
-from hknob_cli.engine.general.sets.swings import LEAST, MOST, PLACES, SLIGHT, measure_swings, plan_parts, turns_within
+from hknob_cli.engine.general.sets.piece import CORNERS, clip_by, halve, move_piece, piece_size, within
+from hknob_cli.engine.general.sets.swings import PLACES, measure_swings, plan_parts, turns_within
 from hknob_cli.engine.general.sets.turns import (
+    LEAST,
+    MOST,
+    SLIGHT,
     count_of,
     half_of,
     highest_at,
@@ -20,12 +24,14 @@ from hknob_cli.engine.general.sets.turns import (
 from hknob_cli.engine.loop import floor
 
 
-def cut_by_turns(turns, way, count, first, last, level, room, corners, number, n, wall):
+def cut_by_turns(turns, plan, count, level, room, corners, number, wall):
     """The part of a set whose turning points make this ``count``, to ``turns.kept``: ``(corners, whether beyond)``.
 
-    ``way``, ``first``, ``last``: as `plan_parts` has them; ``room``: by which the part goes beyond its edges. It may be
-    beyond the part of those whose count stays at ``level``.
+    ``plan``: as `plan_parts` has it; ``room``: by which the part goes beyond its edges. It may be beyond the part of
+    those whose count stays at ``level``.
     """
+    way, first, last = plan
+    n = len(turns.z)
     wide, half = n + 2, 0.5 * wall.hysteresis
     farthest, meanwhile = (0, 1) if way > 0 else (2, 3)
     for k in range(number):
@@ -56,14 +62,6 @@ def cut_by_turns(turns, way, count, first, last, level, room, corners, number, n
     return kept, beyond
 
 
-def set_count(law, stack, base, order, count):
-    """Let a piece that waits have this count."""
-    if law is None:
-        stack[base + BEFORE] = count
-        return
-    stack[base + STATE + order + law.line - 1] = count
-
-
 def next_edge(x, wall):
     """The next place above ``x`` at which a count changes on the way up or down, after any count."""
     half = 0.5 * wall.hysteresis
@@ -72,65 +70,53 @@ def next_edge(x, wall):
     return edge if edge > x else max(up, down)
 
 
-def move_counted(room, waiting, piece, corners, number, cell, count):
-    """Let a set of so many corners, with the numbers of a ``piece``, move on and have a count; how many wait then."""
-    drift, body, wall = cell
-    waiting = move_piece(room, waiting, *piece, corners, number, drift, body, wall)
-    set_count(room.law, room.stack, (waiting - 1) * piece_size(body.order, len(piece[2])), body.order, count)
-    return waiting
+def move_parts(room, waiting, centre, corners, number, holds, reach, cell):
+    """Let the parts of a set that is measured move on, one for each count its turning points make; -1: no room.
 
-
-def move_parts(room, waiting, piece, corners, number, cell, plan, reach):
-    """Let the parts of a set for which there is a ``plan`` move on, one for each count; -1: no room.
-
-    ``piece``: its centre, last reading, commands under way with the oldest of them, error, level, sample and weight.
+    ``holds``: of its interval; ``reach``: by which a part goes beyond its edges, as `measure_swings` returned it.
     """
-    drift, body, wall = cell
-    z, _, ring, _, _, level, _, _ = piece
-    turns, n, watch = room.turns, body.order, watched(room.law, wall)
-    way, first, last, holds = plan
-    shown = first
+    drift, body, turns, level = cell.drift, cell.body, cell.known.turns, centre.level
+    n, watch = body.order, watched(cell.known.law, cell.wall)
+    plan = plan_parts(turns, level, watch)
+    way, shown, last = plan
     while shown <= last:
-        kept, beyond = cut_by_turns(turns, way, shown, first, last, level, reach, corners, number, n, watch)
+        kept, beyond = cut_by_turns(turns, plan, shown, level, reach, corners, number, watch)
         then = shown
         other = kept > 0 and way != 0 and shown != level
-        if other and not turns_within(turns, way, z, turns.kept, kept, n, holds, drift, body):
+        if other and not turns_within(turns, way, centre.z, turns.kept, kept, holds, drift, body):
             # None has a turning point there: their count stays, and what is not beyond is in the part of those.
             then = level
             kept = kept if beyond else 0
-        if (waiting + 2) * piece_size(n, len(ring)) > len(room.stack):
+        if (waiting + 2) * piece_size(n, len(centre.ring)) > len(room.stack):
             return -1
         opposite = kept // 2 if kept > CORNERS else kept - 1
         if kept > 0:
-            waiting = move_counted(room, waiting, piece, turns.kept, opposite + 1, cell, then)
+            waiting = move_piece(room, waiting, centre, turns.kept, opposite + 1, then, cell)
         if kept > CORNERS:
             for k in range((kept - opposite) * n):
                 turns.packed[k] = turns.kept[opposite * n + k]
             for j in range(n):
                 turns.packed[(kept - opposite) * n + j] = turns.kept[j]
-            waiting = move_counted(room, waiting, piece, turns.packed, kept - opposite + 1, cell, then)
+            waiting = move_piece(room, waiting, centre, turns.packed, kept - opposite + 1, then, cell)
         shown += 1.0
     return waiting
 
 
-def move_part(room, waiting, z, before, ring, head, error, level, sample, weight, corners, count, drift, body, wall):
+def move_part(room, waiting, centre, corners, count, cell):
     """As `piece.move_piece`; with hysteresis a piece for each count that turning points make; -1: no room.
 
     Where they do several things to a set it is taken in strips first, which read one thing at the next sample.
     """
-    turns, n = room.turns, body.order
+    turns = cell.known.turns
     if turns is None:
-        return move_piece(
-            room, waiting, z, before, ring, head, error, level, sample, weight, corners, count, drift, body, wall
-        )
-    piece, cell = (z, before, ring, head, error, level, sample, weight), (drift, body, wall)
-    watch, off = watched(room.law, wall), body.reach * error
-    holds = plan_holds(turns, room.law, level, before, ring, head, wall)
-    reach = measure_swings(turns, z, corners, 0, count, n, holds, off, drift, body)
-    way, first, last = plan_parts(turns, level, watch)
+        return move_piece(room, waiting, centre, corners, count, 0.0, cell)
+    z, drift, body, law = centre.z, cell.drift, cell.body, cell.known.law
+    n, watch, off = body.order, watched(law, cell.wall), body.reach * centre.error
+    holds = plan_holds(turns, law, centre, cell.wall)
+    reach = measure_swings(turns, z, corners, count, holds, off, drift, body)
+    way, first, last = plan_parts(turns, centre.level, watch)
     if way != 0 or first == last:
-        plan = way, first, last, holds
-        return move_parts(room, waiting, piece, corners, count, cell, plan, reach)
+        return move_parts(room, waiting, centre, corners, count, holds, reach, cell)
     wide = n + 2
     for k in range(count):
         for j in range(n):
@@ -151,38 +137,35 @@ def move_part(room, waiting, z, before, ring, head, error, level, sample, weight
             for j in range(n):
                 turns.strip[k * n + j] = turns.strip[k * wide + j]
         if kept > 0:
-            far = measure_swings(turns, z, turns.strip, 0, kept, n, holds, off, drift, body)
+            far = measure_swings(turns, z, turns.strip, kept, holds, off, drift, body)
             # Those that are truly in the strip read one thing next.
             turns.bounds[LEAST] = turns.bounds[MOST] = 0.5 * (low + high)
-            way, first, last = plan_parts(turns, level, watch)
-            plan = way, first, last, holds
-            waiting = move_parts(room, waiting, piece, turns.strip, kept, cell, plan, far)
+            waiting = move_parts(room, waiting, centre, turns.strip, kept, holds, far, cell)
         low, side = (high, 1.0) if side < 0.0 else (low, -1.0)
     return waiting
 
 
-def part(
-    room, waiting, z, before, ring, head, error, reach, sample, weight, corners, count, low, high, drift, body, wall
-):
-    """Cut a piece at the edges that change the command, and move each part; how many pieces wait then, -1: no room.
+def part(room, waiting, centre, count, low, high, reach, cell):
+    """Cut the piece in ``room.corners`` where the command changes, and move each part; how many wait then, -1: no room.
 
     ``low`` and ``high``: the readings it has; ``reach``: position by which each part goes beyond its edges. So whatever
     a state truly reads, a part that acts as this reading holds the state. Parts with too many corners are halved, too.
     """
-    n, watch, turns = body.order, watched(room.law, wall), room.turns
+    drift, turns, law = cell.drift, cell.known.turns, cell.known.law
+    n, watch, ring, x = cell.body.order, watched(law, cell.wall), centre.ring, centre.z[0]
     if waiting + 2 * levels_between(turns, low, high, watch) > len(room.stack) // piece_size(n, len(ring)):
         return -1
-    level, half, shown = low, half_of(turns, False, watch), count_of(turns, room.law, before, ring)
+    level, half, shown = low, half_of(turns, False, watch), count_of(turns, law, centre.before, ring)
     while level <= high:
-        bottom = lowest_at(turns, level, shown, half, drift.bottom, watch) - reach - z[0]
-        piece = z, before, ring, head, error, level, sample, weight
-        top = highest_at(turns, level, shown, half, watch) + reach - z[0]
-        kept = within(room, corners, count, bottom, top, n)
+        bottom = lowest_at(turns, level, shown, half, drift.bottom, watch) - reach - x
+        top = highest_at(turns, level, shown, half, watch) + reach - x
+        acts = acting_as(centre, level, centre.before, centre.error)
+        kept = within(room, room.corners, count, bottom, top, n)
         if kept > CORNERS:
             kept, other = halve(room, kept, n)
-            waiting = move_part(room, waiting, *piece, room.parts, other, drift, body, wall)
+            waiting = move_part(room, waiting, acts, room.parts, other, cell)
         if kept > 0 and waiting >= 0:
-            waiting = move_part(room, waiting, *piece, room.halves, kept, drift, body, wall)
+            waiting = move_part(room, waiting, acts, room.halves, kept, cell)
         if waiting < 0:
             return -1
         level = next_at(turns, level, watch)

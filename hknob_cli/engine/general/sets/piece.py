@@ -12,6 +12,7 @@ states differ in angle and speed alone, two).
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import norm_at
 from hknob_cli.engine.general.sets.ball import step_through
+from hknob_cli.engine.general.sets.cell import Centre
 
 CORNERS = 16  # that a piece keeps; one with more is halved, for a simpler one around it might never shrink
 ERROR, BEFORE, LEVEL, SAMPLE, WEIGHT, COUNT, SPREAD, STATE = range(8)
@@ -54,15 +55,16 @@ def power_of(samples, drift, n, matrix, spare):
         base += n * n
 
 
-def move_corners(given, base, count, samples, out, at, drift, n, matrix, spare):
-    """Corners after ``samples`` samples of acting alike, from those at ``given[base:]`` to ``out[at:]``."""
-    power_of(samples, drift, n, matrix, spare)
+def move_corners(given, base, count, samples, out, drift, n, room):
+    """Corners after ``samples`` samples of acting alike, from ``given[base:]`` to ``out``."""
+    matrix = room.matrix
+    power_of(samples, drift, n, matrix, room.spare)
     for k in range(count):
         for i in range(n):
             total = 0.0
             for j in range(n):
                 total += matrix[i * n + j] * given[base + k * n + j]
-            out[at + k * n + i] = total
+            out[k * n + i] = total
 
 
 def clip_by(by, given, count, limit, sign, out, at, n):
@@ -92,7 +94,7 @@ def clip(given, count, limit, sign, out, at, n):
     return clip_by(0, given, count, limit, sign, out, at, n)
 
 
-def centre(corners, count, n, middle):
+def find_middle(corners, count, n, middle):
     """The middle of the box around a polygon, to ``middle``."""
     for j in range(n):
         low, high = corners[j], corners[j]
@@ -101,9 +103,10 @@ def centre(corners, count, n, middle):
         middle[j] = 0.5 * (low + high)
 
 
-def put(out, base, z, before, ring, head, error, level, sample, weight, corners, count, middle, drift, n):
+def put(out, base, centre, corners, count, middle, drift, n):
     """Enter a piece, told from the middle of the box around it, to ``out[base:]``; states differ in ``n`` numbers."""
-    centre(corners, count, n, middle)
+    find_middle(corners, count, n, middle)
+    z, ring, error = centre.z, centre.ring, centre.error
     order, delay = len(z), len(ring)
     for j in range(n):
         at = z[j] + middle[j]
@@ -112,57 +115,51 @@ def put(out, base, z, before, ring, head, error, level, sample, weight, corners,
     for j in range(n, order):
         out[base + STATE + j] = z[j]
     for j in range(delay):
-        out[base + STATE + order + j] = ring[(head + j) % delay]
+        out[base + STATE + order + j] = ring[(centre.head + j) % delay]
     first = base + STATE + order + delay
     for k in range(count):
         for j in range(n):
             out[first + k * n + j] = corners[k * n + j] - middle[j]
-    out[base + ERROR], out[base + BEFORE], out[base + LEVEL] = error, before, level
-    out[base + SAMPLE], out[base + WEIGHT], out[base + COUNT], out[base + SPREAD] = sample, weight, float(count), 0.0
+    out[base + ERROR], out[base + BEFORE], out[base + LEVEL] = error, centre.before, centre.level
+    out[base + SAMPLE], out[base + WEIGHT] = centre.sample, centre.weight
+    out[base + COUNT], out[base + SPREAD] = float(count), 0.0
 
 
-def move_piece(room, waiting, z, before, ring, head, error, level, sample, weight, corners, count, drift, body, wall):
-    """Move a piece over one hold, acting as ``level``, and let what becomes of it wait; how many pieces wait then.
+def take(own, z, ring):
+    """The centre of the piece in ``own``, its state in ``z`` and what it remembers in ``ring``."""
+    n, delay = len(z), len(ring)
+    for j in range(n):
+        z[j] = own[STATE + j]
+    for j in range(delay):
+        ring[j] = own[STATE + n + j]
+    return Centre(z, own[BEFORE], ring, 0 * delay, own[ERROR], own[LEVEL], own[SAMPLE], own[WEIGHT])
 
-    The piece is told from ``z``, which is left alone, as ``ring`` is. It is one piece after a hold in which all
-    differences go by Phi.
+
+def move_piece(room, waiting, centre, corners, count, shown, cell):
+    """Move a piece over one hold, acting as its level, and let what becomes of it wait; how many pieces wait then.
+
+    The centre is left alone. It is one piece after a hold in which all differences go by Phi. ``shown``: its count
+    before the next sample, with hysteresis of the encoder.
     """
-    n, delay = body.order, len(ring)
-    size = piece_size(n, delay)
-    base = waiting * size
-    put(
-        room.stack,
-        base,
-        z,
-        before,
-        ring,
-        head,
-        error,
-        level,
-        sample + 1.0,
-        weight,
-        corners,
-        count,
-        room.middle,
-        drift,
-        n,
-    )
+    n, delay, stack = cell.body.order, len(centre.ring), room.stack
+    base = waiting * piece_size(n, delay)
+    put(stack, base, centre, corners, count, room.middle, cell.drift, n)
     for j in range(n):
-        room.z[j] = room.stack[base + STATE + j]
+        room.z[j] = stack[base + STATE + j]
     for j in range(delay):
-        room.ring[j] = room.stack[base + STATE + n + j]
-    remembers, grown, to = step_through(
-        room.law, room.z, before, room.stack[base + ERROR], level, room.ring, 0 * delay, drift, body, wall, room.pad
-    )
-    room.stack[base + ERROR], room.stack[base + BEFORE] = grown, remembers
+        room.ring[j] = stack[base + STATE + n + j]
+    error, head = stack[base + ERROR], 0 * delay
+    here = Centre(room.z, centre.before, room.ring, head, error, centre.level, centre.sample, centre.weight)
+    moved = step_through(here, shown, cell, room.pad)
+    stack[base + ERROR], stack[base + BEFORE], stack[base + SAMPLE] = moved.error, moved.before, moved.sample
     for j in range(n):
-        room.stack[base + STATE + j] = room.z[j]
+        stack[base + STATE + j] = room.z[j]
     for j in range(delay):
-        room.stack[base + STATE + n + j] = room.ring[(to + j) % delay]
+        stack[base + STATE + n + j] = room.ring[(moved.head + j) % delay]
     first = base + STATE + n + delay
+    move_corners(stack, first, count, 1, room.moved, cell.drift, n, room)
     for k in range(count * n):
-        room.moved[k] = room.stack[first + k]
-    move_corners(room.moved, 0, count, 1, room.stack, first, drift, n, room.matrix, room.spare)
+        stack[first + k] = room.moved[k]
     return waiting + 1
 
 

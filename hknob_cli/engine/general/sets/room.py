@@ -43,8 +43,7 @@ class PieceRoom(NamedTuple):
 
     ``stack``: pieces that wait; ``own``, ``own_z``, ``own_ring``, ``corners``: of the one that is followed; ``parts``
     to ``pad``: of one that is moved; ``used``, ``keys``, ``cells``, ``singles``: the lattice; ``taken``: its slots in
-    use, ``counts[0]`` many; ``scale[0]``: of commands, where they are told apart; ``law``: of a controller, or None;
-    ``turns``: None without hysteresis.
+    use, ``counts[0]`` many; ``scale[0]``: of commands, where they are told apart.
     """
 
     stack: Any
@@ -68,8 +67,6 @@ class PieceRoom(NamedTuple):
     taken: Any
     counts: Any
     scale: Any
-    law: Any = None
-    turns: TurnRoom | None = None
 
 
 class ArcRoom(NamedTuple):
@@ -95,15 +92,13 @@ class ArcRoom(NamedTuple):
     spare: Any
     pad: Any
     ended: Any
-    turns: TurnRoom | None = None
 
 
-def with_turns(room: Any, order: int, wall: Controller, law: Law | None, zeros: Zeros) -> Any:
-    """Work space, or `ends.Known`, with room for turning points where the encoder has hysteresis."""
+def make_turn_room(zeros: Zeros, order: int, delay: int, wall: Controller, law: Law | None) -> TurnRoom | None:
+    """Room for turning points where the encoder has hysteresis; None without."""
     if wall.hysteresis == 0.0:
-        return room
-    delay = len(room.ring)
-    turns = TurnRoom(
+        return None
+    return TurnRoom(
         course=zeros(2 * max(2, 0 if law is None else law.pieces)),
         swing=zeros(8),
         places=zeros(5 * 4 * CORNERS),
@@ -117,7 +112,6 @@ def with_turns(room: Any, order: int, wall: Controller, law: Law | None, zeros: 
         ring=zeros(delay),
         pad=zeros(2 * order),
     )
-    return room._replace(turns=turns)
 
 
 def make_piece_room(zeros: Zeros, order: int, delay: int, *, lattice: int = CELLS, deep: int = DEEP) -> PieceRoom:

@@ -27,10 +27,18 @@ from hknob_cli.engine.general.search import as_arrays, as_list, make_space
 from hknob_cli.engine.general.sets import arc, box, lattice
 from hknob_cli.engine.general.sets.afar import look_from_afar
 from hknob_cli.engine.general.sets.arc_parts import HIGH, LOW, arc_size
+from hknob_cli.engine.general.sets.cell import Cell
 from hknob_cli.engine.general.sets.drift import Drift, make_drift
-from hknob_cli.engine.general.sets.ends import Known, ends_of, make_known, measure_left, why_not
+from hknob_cli.engine.general.sets.ends import ends_of, make_known, measure_left, why_not
 from hknob_cli.engine.general.sets.piece import piece_size
-from hknob_cli.engine.general.sets.room import CELLS, PieceRoom, hash_scale, make_arc_room, make_piece_room, with_turns
+from hknob_cli.engine.general.sets.room import (
+    CELLS,
+    PieceRoom,
+    hash_scale,
+    make_arc_room,
+    make_piece_room,
+    make_turn_room,
+)
 from hknob_cli.engine.general.sets.scope import LONGEST, Scope, can_follow, make_scope
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.sets import region
@@ -111,14 +119,15 @@ class GeneralSetEngine:
         """Bounds on roundings, in lists."""
         return make_drift(body, wall, self.law)
 
-    def ready(self, body: Body, wall: Controller, delay_line: int) -> tuple[Body, Drift, Known]:
-        """Body, bounds and empty tables as the functions of this engine want them."""
+    def ready(self, body: Body, wall: Controller, delay_line: int) -> Cell:
+        """A cell as the functions of this engine want it, its tables empty."""
         n, drift = body.order, self.drift(body, wall)
         known = make_known(self._zeros, n, delay_line, make_space(n, delay_line, self._zeros), self.law)
-        known = with_turns(known, n, wall, self.law, self._zeros)
-        if self.compiled:
-            return as_arrays(body), Drift._make(np.array(v) if isinstance(v, list) else v for v in drift), known
-        return body, drift, known
+        known = known._replace(turns=make_turn_room(self._zeros, n, delay_line, wall, self.law))
+        if not self.compiled:
+            return Cell(drift, known, body, as_list(wall))
+        arrays = Drift._make(np.array(v) if isinstance(v, list) else v for v in drift)
+        return Cell(arrays, known, as_arrays(body), wall)
 
     def search_phases(
         self,
@@ -141,21 +150,19 @@ class GeneralSetEngine:
         scope = make_scope(body, wall, start[0], start[1], rate, max_samples)
         if not scope.fine:
             return None
-        wall = wall if self.compiled else as_list(wall)
-        body, drift, known = self.ready(body, wall, delay_line)
-        room = with_turns(make_arc_room(self._zeros, body.order, delay_line), body.order, wall, self.law, self._zeros)
+        cell = self.ready(body, wall, delay_line)
+        body, known, room = cell.body, cell.known, make_arc_room(self._zeros, body.order, delay_line)
         totals = self._zeros(4)
         totals[2] = 1.0
         begin = np.array(start) if self.compiled else list(start)
-        slack = self._function(arc, "fill_arcs")(begin, delay_line, room, drift, body)
+        slack = self._function(arc, "fill_arcs")(begin, room, cell.drift, body)
         follow = self._function(arc, "follow_arcs")
-        rest = scope.budget, scope.patience, scope.limit, SLICE
         waiting, taken = 1, 0
         with Alarm(time_allowed(seconds, self.patience, compiled=self.compiled), body.halt) as alarm:
             while waiting > 0 and not alarm.over and taken <= self.longest(body) and not _endless(totals):
                 if self.stopped():
                     raise StoppedError
-                waiting, used = follow(waiting, delay_line, slack, *rest, totals, room, drift, known, body, wall)
+                waiting, used = follow(waiting, slack, SLICE, totals, scope, room, cell)
                 taken += int(used)
         if waiting < 0:
             return None
@@ -214,18 +221,15 @@ class GeneralSetEngine:
         scope = make_scope(body, wall, far_x, far_v, rate, max_samples)
         if not scope.fine:
             return None
-        wall = wall if self.compiled else as_list(wall)
-        body, drift, known = self.ready(body, wall, delay_line)
-        n = body.order
-        room = with_turns(self.room(body, delay_line), n, wall, self.law, self._zeros)
+        cell = self.ready(body, wall, delay_line)
+        body, known = cell.body, cell.known
+        n, room = body.order, self.room(body, delay_line)
         room.scale[0] = hash_scale(wall)
-        rest = scope.budget, scope.limit
-        cell = drift, known, body, wall
         with Alarm(time_allowed(seconds, self.patience, compiled=self.compiled), body.halt) as alarm:
             taken, unproven, followed = self._sample(states, scope, room, cell, alarm)
             pieces, undecided, why = 0, 0.0, Reason.NONE
             follow, release = self.follower(body, wall, delay_line), self._function(lattice, "release")
-            waiting = self._fill(states, room, delay_line, *cell)
+            waiting = self._fill(states, room, cell)
             if waiting < 0:
                 waiting, undecided, why = 0, 1.0, Reason.TOO_MANY
             across = max(states.high_x - states.low_x, (states.high_v - states.low_v) * body.reach)
@@ -236,15 +240,13 @@ class GeneralSetEngine:
                 while waiting and not alarm.over and taken <= self.longest(body):
                     if self.stopped():
                         raise StoppedError
-                    waiting, ended, lost, used = follow(
-                        room, waiting, delay_line, width, scope.patience, *rest, SLICE, *cell
-                    )
+                    waiting, ended, lost, used = follow(room, waiting, width, SLICE, scope, cell)
                     pieces, undecided, taken = pieces + int(ended), undecided + float(lost), taken + int(used)
                 if waiting or not room.counts[0] or generation + 1 == GENERATIONS:
                     break
-                waiting = int(release(room, 0, delay_line, drift))
+                waiting = int(release(room, 0, delay_line, cell.drift))
                 width *= 0.5
-                taken += self._function(box, "seek_some")(room, waiting, delay_line, SEEN, *rest, known, body, wall)
+                taken += self._function(box, "seek_some")(room, waiting, SEEN, scope, cell)
             left = measure_left(room, waiting, piece_size(n, delay_line))
             over = taken > self.longest(body) or not alarm.over
         found, by_area = ends_of(known, n, delay_line), self.by_area(body)
@@ -299,15 +301,13 @@ class GeneralSetEngine:
         found: Callable[..., Any] = self._functions[f"sets.{name}"] if self._functions else getattr(region, name)
         return found
 
-    def _fill(
-        self, states: Box, room: Any, delay_line: int, drift: Drift, _known: Known, body: Body, wall: Controller
-    ) -> int:
+    def _fill(self, states: Box, room: Any, cell: Cell) -> int:
         """Let a box be all that waits; how many pieces, -1 where there is no room."""
-        return int(self._function(box, "fill_box")(*states, delay_line, room, drift, self.plane(body), wall))
+        wall = cell.wall if self.law is None else self.law.watch
+        fill = self._function(box, "fill_box")
+        return int(fill(tuple(states), room, cell.known.turns, cell.drift, self.plane(cell.body), wall))
 
-    def _sample(
-        self, states: Box, scope: Scope, room: Any, cell: tuple[Any, ...], alarm: Alarm
-    ) -> tuple[int, int, int]:
+    def _sample(self, states: Box, scope: Scope, room: Any, cell: Cell, alarm: Alarm) -> tuple[int, int, int]:
         """Follow random starts, as many as there is time for: samples, starts without a proven end, starts."""
         chance = random.Random(0)
         starts, ends = self._zeros(2 * SAMPLED), self._zeros(SAMPLED)
@@ -320,7 +320,7 @@ class GeneralSetEngine:
             if self.stopped():
                 raise StoppedError
             stop = min(followed + chunk, SAMPLED)
-            used, lost = sample(starts, followed, stop, scope.skip, scope.budget, scope.limit, ends, room, *cell)
+            used, lost = sample(starts, followed, stop, ends, scope, room, cell)
             taken, unproven, followed = taken + int(used), unproven + int(lost), stop
         return taken, unproven, followed
 

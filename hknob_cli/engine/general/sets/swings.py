@@ -8,12 +8,23 @@ corners, and at least the place that each state has when some state is highest.
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.hysteresis import pass_still
 from hknob_cli.engine.general.sets.turns import (
+    ABOVE,
+    BELOW,
+    BOTTOM,
+    CLIMB,
+    DROP,
+    FALL,
     HIGH,
     HIGH_AT,
     LAST,
+    LEAST,
     LOW,
     LOW_AT,
+    MOST,
     OPEN,
+    RISE,
+    SLIGHT,
+    TOP,
     WRONG,
     find_swing,
     stays_down,
@@ -24,10 +35,6 @@ from hknob_cli.engine.general.sets.turns import (
 from hknob_cli.engine.general.slide_two import coefficients
 
 PLACES = 5  # of a corner
-# Of a set: where its highest and its lowest places lie, and its last; by how much the highest is above the first and
-# the last place, at most, and the lowest below them; and what of these is slight, because no sample is trusted as near
-# to an edge (`turns.ball_reach`).
-TOP, ABOVE, BOTTOM, BELOW, LEAST, MOST, RISE, FALL, DROP, CLIMB, SLIGHT = range(11)
 
 
 def place_at(turns, z, time, holds, body):
@@ -46,26 +53,25 @@ def place_at(turns, z, time, holds, body):
     return turns.z[0]
 
 
-def measure_swings(turns, z, corners, base, count, n, holds, reach, drift, body):
+def measure_swings(turns, z, corners, count, holds, reach, drift, body):
     """Enter to ``turns.places`` how far each corner goes over an interval, and bounds on all, to ``turns.bounds``.
 
     Of each corner: its highest place, that at the time when their middle is highest, its lowest, that when their middle
     is lowest, and its last. ``reach``: by which states may truly lie elsewhere, in position. Returns the room that all
     bounds have.
     """
-    for j in range(len(z)):
+    n = len(z)
+    for j in range(n):
         turns.other[j] = z[j]
     for k in range(count):
         for j in range(n):
-            turns.other[j] += corners[base + k * n + j] / count
+            turns.other[j] += corners[k * n + j] / count
     find_swing(turns, turns.other, holds, drift, body)
     up, down, wrong = turns.swing[HIGH_AT], turns.swing[LOW_AT], turns.swing[WRONG]
     bounds = turns.bounds
     for k in range(count):
-        for j in range(len(z)):
-            turns.other[j] = z[j]
         for j in range(n):
-            turns.other[j] += corners[base + k * n + j]
+            turns.other[j] = z[j] + corners[k * n + j]
         find_swing(turns, turns.other, holds, drift, body)
         wrong = max(wrong, turns.swing[WRONG])
         last = turns.swing[LAST]
@@ -97,17 +103,15 @@ def measure_swings(turns, z, corners, base, count, n, holds, reach, drift, body)
     return room
 
 
-def turns_within(turns, way, z, corners, count, n, holds, drift, body):
+def turns_within(turns, way, z, corners, count, holds, drift, body):
     """Whether any state has a highest place (``way`` 1) or a lowest (-1) that is neither its first nor its last.
 
     By how much it is above either is convex: where one of them is slight at all corners it is everywhere.
     """
-    from_first, from_last = 0.0, 0.0
+    from_first, from_last, n = 0.0, 0.0, len(z)
     for k in range(count):
-        for j in range(len(z)):
-            turns.other[j] = z[j]
         for j in range(n):
-            turns.other[j] += corners[k * n + j]
+            turns.other[j] = z[j] + corners[k * n + j]
         find_swing(turns, turns.other, holds, drift, body)
         far = turns.swing[HIGH] if way > 0 else turns.swing[LOW]
         from_first = max(from_first, abs(far - turns.other[0]))
@@ -124,18 +128,7 @@ def plan_parts(turns, level, wall):
     # Each is convex: where it is slight at all corners it is everywhere.
     slight = bounds[SLIGHT]
     peaks, dips = min(bounds[RISE], bounds[FALL]) > slight, min(bounds[DROP], bounds[CLIMB]) > slight
-    what, count = turned_count(
-        level,
-        bounds[ABOVE],
-        bounds[TOP],
-        bounds[BOTTOM],
-        bounds[BELOW],
-        bounds[LEAST],
-        bounds[MOST],
-        peaks,
-        dips,
-        wall,
-    )
+    what, count = turned_count(level, bounds, peaks, dips, wall)
     if what != OPEN:
         return 0, count, count
     first, last = told(read(bounds[ABOVE] - half, wall), wall), told(read(bounds[TOP] - half, wall), wall)

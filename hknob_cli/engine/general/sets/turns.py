@@ -14,7 +14,7 @@ from hknob_cli.engine.general.controller import command, lower_edge, read, upper
 from hknob_cli.engine.general.hysteresis import commands_of, pass_still, way_at_most
 from hknob_cli.engine.general.laws.law import PIECE, SPAN, TORQUE
 from hknob_cli.engine.general.laws.step import decide
-from hknob_cli.engine.general.sets.memory import step_error
+from hknob_cli.engine.general.sets.memory import step_error, watched
 from hknob_cli.engine.general.sets.readings import acting, count_levels, highest, lowest, next_level
 from hknob_cli.engine.general.slide_many import sliding_bound
 from hknob_cli.engine.general.slide_two import way
@@ -26,6 +26,10 @@ ROUNDED = 256.0  # times that a highest or lowest place is rounded more than a s
 # Of a motion between two samples: its highest and lowest place, and when; its last; bounds on its velocity and on the
 # rounding of its places.
 HIGH, HIGH_AT, LOW, LOW_AT, LAST, SLOWEST, FASTEST, WRONG = range(8)
+# Of a set: where its highest and its lowest places lie, and its last; by how much the highest is above the first and
+# the last place, at most, and the lowest below them; and what of these is slight, because no sample is trusted as near
+# to an edge (`ball_reach`).
+TOP, ABOVE, BOTTOM, BELOW, LEAST, MOST, RISE, FALL, DROP, CLIMB, SLIGHT = range(11)
 CLEAR, UP, DOWN, OPEN = range(4)  # what turning points do to a count: nothing, one thing above or below, or it is open
 
 
@@ -74,7 +78,7 @@ def count_of(turns, law, before, ring):
 
 
 def keep_count(turns, law, count, before, ring):
-    """Let a set have this count: what is to be remembered beside ``ring``."""
+    """Let a set have this count: what is to be remembered beside ``ring``; ``before`` without hysteresis."""
     if turns is None:
         return before
     if law is None:
@@ -158,10 +162,11 @@ def go_on(z, u, span, begun, swing, body, pad):
     swing[FASTEST] = max(swing[FASTEST], max(begin, z[1]) + bend)
 
 
-def plan_holds(turns, law, level, before, ring, head, wall):
-    """Leave in ``turns.course`` the lengths and torques of an interval that acts as ``level``; how many there are."""
+def plan_holds(turns, law, centre, wall):
+    """Leave in ``turns.course`` the lengths and torques of the interval after a centre; how many there are."""
+    level, ring = centre.level, centre.ring
     if law is None:
-        older, later = commands_of(command(level, before, wall), ring, head)
+        older, later = commands_of(command(level, centre.before, wall), ring, centre.head)
         turns.course[0], turns.course[1] = wall.split, older
         turns.course[2], turns.course[3] = 1.0 - wall.split, later
         return 2
@@ -202,50 +207,43 @@ def stays_down(lowest_place, last, count, half, wall):
     return told(read(lowest_place + half, wall), wall) >= min(count, told(read(last + half, wall), wall))
 
 
-def turned_count(count, high, top, bottom, low, least, most, peaks, dips, wall):
+def turned_count(count, bounds, peaks, dips, wall):
     """What turning points do to a ``count``: ``(what, count then)``, `OPEN` where it is not one thing.
 
-    ``high`` to ``top``: where the highest places of a set lie; ``bottom`` to ``low``: the lowest; ``least`` to
-    ``most``: its places at the next sample. All have room for roundings. ``peaks``, ``dips``: whether any motion of it
-    has a highest place, or a lowest, that is neither its first nor its last.
+    ``bounds``: `TOP` to `MOST`, with room for roundings; ``peaks``, ``dips``: whether any motion of the set has a
+    highest place, or a lowest, that is neither its first nor its last.
     """
-    half = 0.5 * wall.hysteresis
-    up = not peaks or stays_up(top, least, count, half, wall)
-    if up and (not dips or stays_down(bottom, most, count, half, wall)):
+    half, least, most = 0.5 * wall.hysteresis, bounds[LEAST], bounds[MOST]
+    up = not peaks or stays_up(bounds[TOP], least, count, half, wall)
+    if up and (not dips or stays_down(bounds[BOTTOM], most, count, half, wall)):
         return CLEAR, count
-    above, below = told(read(high - half, wall), wall), told(read(low + half, wall), wall)
-    one_above = above > count and told(read(top - half, wall), wall) == above
-    if peaks and one_above and (not dips or stays_down(bottom, most, above, half, wall)):
+    above, below = told(read(bounds[ABOVE] - half, wall), wall), told(read(bounds[BELOW] + half, wall), wall)
+    one_above = above > count and told(read(bounds[TOP] - half, wall), wall) == above
+    if peaks and one_above and (not dips or stays_down(bounds[BOTTOM], most, above, half, wall)):
         return UP, above
-    one_below = below < count and told(read(bottom + half, wall), wall) == below
-    if dips and one_below and (not peaks or stays_up(top, least, below, half, wall)):
+    one_below = below < count and told(read(bounds[BOTTOM] + half, wall), wall) == below
+    if dips and one_below and (not peaks or stays_up(bounds[TOP], least, below, half, wall)):
         return DOWN, below
     return OPEN, count
 
 
-def peek(turns, law, z, level, before, ring, head, reach, drift, body, wall, watch):
-    """The count before the next sample of all states within ``reach`` of ``z``: ``(whether it is one, count)``.
+def peek(centre, reach, cell):
+    """The count before the next sample of all states within ``reach`` of a centre: ``(whether it is one, count)``.
 
-    Nothing moves. ``level``: the reading as which all act now, which is their count.
+    Nothing moves. Its level is the reading as which all act now, which is their count.
     """
+    drift, known, body, wall = cell.drift, cell.known, cell.body, cell.wall
+    turns = known.turns
     if turns is None:
         return True, 0.0
-    holds = plan_holds(turns, law, level, before, ring, head, wall)
-    find_swing(turns, z, holds, drift, body)
-    swing = turns.swing
+    level, swing, bounds = centre.level, turns.swing, turns.bounds
+    holds = plan_holds(turns, known.law, centre, wall)
+    find_swing(turns, centre.z, holds, drift, body)
     room = body.reach * reach + swing[WRONG]
     if swing[SLOWEST] > room / body.reach or swing[FASTEST] < -room / body.reach:
         return True, level  # none of them turns
-    what, count = turned_count(
-        level,
-        swing[HIGH] - room,
-        swing[HIGH] + room,
-        swing[LOW] - room,
-        swing[LOW] + room,
-        swing[LAST] - room,
-        swing[LAST] + room,
-        True,
-        True,
-        watch,
-    )
+    bounds[TOP], bounds[ABOVE] = swing[HIGH] + room, swing[HIGH] - room
+    bounds[BOTTOM], bounds[BELOW] = swing[LOW] - room, swing[LOW] + room
+    bounds[LEAST], bounds[MOST] = swing[LAST] - room, swing[LAST] + room
+    what, count = turned_count(level, bounds, True, True, watched(known.law, wall))
     return what != OPEN, count

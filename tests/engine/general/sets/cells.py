@@ -6,8 +6,10 @@ from typing import Any
 from hypothesis import strategies as st
 
 from hknob_cli.engine.general.search import make_space
+from hknob_cli.engine.general.sets.cell import Centre
 from hknob_cli.engine.general.sets.drift import Drift, make_drift
 from hknob_cli.engine.general.sets.ends import Known, make_known
+from hknob_cli.engine.general.sets.scope import Scope
 from hknob_cli.engine.general.sets.search import GeneralSetEngine
 from hknob_cli.scene.general_knob import GeneralKnob
 from tests.engine.general.bodies import knob
@@ -21,6 +23,7 @@ STIFF = {
     "finger": {"inertia": 3.0e-7, "damping": 1.265e-2, "stiffness": 2.53},
     "fingerpad": {"damping": 1.265e-3, "stiffness": 0.253},
 }
+WHOLE = Scope(budget=100_000, skip=1000, patience=1000, limit=1e9, fine=True)
 STEP = 0.27 * 2.0 * pi / 1024  # torque of one count
 
 OVER_ANGLE: dict[str, dict[str, Any]] = {
@@ -77,6 +80,12 @@ def bounds(cell: GeneralKnob) -> Drift:
 def zeros(count: int) -> list[float]:
     """Work space of the interpreter."""
     return [0.0] * count
+
+
+def centre(z: Any, ring: Any, before: float = 0.0, **more: Any) -> Centre:
+    """A state that a set is told from, as exact as it is given."""
+    given = {"head": 0, "error": 0.0, "level": 0.0, "sample": 0.0, "weight": 1.0, **more}
+    return Centre(z=z, before=before, ring=ring, **given)
 
 
 def nothing_known(cell: GeneralKnob) -> Known:

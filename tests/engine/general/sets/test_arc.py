@@ -13,6 +13,7 @@ from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.sets.arc import fill_arcs, follow_arcs
+from hknob_cli.engine.general.sets.cell import Cell
 from hknob_cli.engine.general.sets.curve import measure_arc, place_on
 from hknob_cli.engine.general.sets.ends import Known
 from hknob_cli.engine.general.sets.known import captor, resting, seek
@@ -21,7 +22,7 @@ from hknob_cli.engine.general.sets.room import ArcRoom, make_arc_room
 from hknob_cli.engine.general.sets.scope import make_scope
 from hknob_cli.scene.general_knob import GeneralKnob
 
-from .cells import KINDS, bounds, cell, nothing_known, zeros
+from .cells import KINDS, WHOLE, bounds, cell, centre, nothing_known, zeros
 
 ANGLE = 0.02
 
@@ -31,9 +32,8 @@ def followed(knob: GeneralKnob) -> tuple[Known, ArcRoom, list[float]]:
     body, wall, drift, known = knob.body, knob.wall, bounds(knob), nothing_known(knob)
     room, totals = make_arc_room(zeros, body.order, knob.delay_line), [0.0, 0.0, 1.0, 0.0]
     scope = make_scope(body, wall, knob.position(ANGLE), 0.0, knob.rate, None)
-    slack = fill_arcs(knob.start(ANGLE, 0.0), knob.delay_line, room, drift, body)
-    rest = scope.budget, scope.patience, scope.limit, 10**7, totals, room, drift, known, body, wall
-    waiting, _ = follow_arcs(1, knob.delay_line, slack, *rest)
+    slack = fill_arcs(knob.start(ANGLE, 0.0), room, drift, body)
+    waiting, _ = follow_arcs(1, slack, 10**7, totals, scope, room, Cell(drift, known, body, wall))
     assert waiting == 0
     return known, room, totals
 
@@ -55,8 +55,10 @@ def test_arcs_hold_every_phase_and_end_as_it_does(kind: str) -> None:
         own = {row for low, high, row in arcs if low <= phase <= high}
         z, ring = knob.start(ANGLE, 0.0), zeros(knob.delay_line)
         advance_span(z, 0.0, phase, body, zeros(2 * n))
-        row, _ = seek(z, read(z[0], wall), ring, 0, 100_000, 1e9, known, body, wall)
+        one, whole = centre(z, ring, read(z[0], wall)), Cell(bounds(knob), known, body, wall)
+        row, used = seek(one, WHOLE, whole)
         assert row in own
+        assert seek(one._replace(sample=WHOLE.budget - 0.5 * used), WHOLE, whole)[0] < 0  # half is not enough
 
 
 @pytest.mark.parametrize("kind", ["limit", "lag", "stiff finger, late"])

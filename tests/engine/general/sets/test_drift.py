@@ -12,12 +12,14 @@ from hknob_cli.engine.general.interval import hold
 from hknob_cli.engine.general.laws.law import PIECE, SPAN, TORQUE
 from hknob_cli.engine.general.laws.step import begin_past, decide
 from hknob_cli.engine.general.sets.ball import step_error, step_through
+from hknob_cli.engine.general.sets.cell import Cell
 from hknob_cli.engine.general.sets.curve import drift_over
 from hknob_cli.engine.general.sets.drift import POWERS, make_drift
 from hknob_cli.engine.general.sets.piece import largest_norm, move_corners
+from hknob_cli.engine.general.sets.room import make_piece_room
 from hknob_cli.scene.general_knob import GeneralKnob
 
-from .cells import KINDS, bounds, cell, zeros
+from .cells import KINDS, bounds, cell, centre, nothing_known, zeros
 from .test_law_search import COIL, FINGER
 from .test_law_search import cell as cell_under
 
@@ -112,12 +114,15 @@ def test_an_interval_under_a_law_adds_no_more_than_its_bound(kind: str) -> None:
                 u = told[int(law.sched[at + TORQUE])]
                 exact = exact_step(body, [exact[i] for i in range(n)], u, mpmath.mpf(law.sched[at + SPAN]))
             moved = list(z)
-            before, bound, head = step_through(law, moved, 5.0, 0.0, level, past, 0, drift, body, wall, zeros(2 * n))
-            assert (before, head) == (0.0, 0)
+            at = centre(moved, past, 5.0, level=level)
+            end = step_through(
+                at, 0.0, Cell(drift, nothing_known(made.knob)._replace(law=law), body, wall), zeros(2 * n)
+            )
+            assert (end.before, end.head, end.sample) == (0.0, 0, 1.0)
             assert past == told
             error = apart(moved, exact, body)
-            assert error <= bound
-            largest = max(largest, error / bound)
+            assert error <= end.error
+            largest = max(largest, error / end.error)
     assert largest > 1e-3
     assert drift.bottom == -inf
 
@@ -142,7 +147,7 @@ def test_differences_move_as_the_plant_does(kind: str, rate: float) -> None:
         for samples in (0, 1, 5, 83, 1023):
             corner = random_state(knob, chance)
             out = zeros(n)
-            move_corners(corner, 0, 1, samples, out, 0, drift, n, zeros(n * n), zeros(n * n))
+            move_corners(corner, 0, 1, samples, out, drift, n, make_piece_room(zeros, n, 0, lattice=1, deep=1))
             assert apart(out, phi**samples * mpmath.matrix(corner), body) <= drift.blur * norm(corner, body)
             assert largest_norm(out, 0, 1, body) <= norm(corner, body) * (1.0 + drift.blur)
     assert drift.blur < 1e-10

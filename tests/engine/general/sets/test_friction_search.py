@@ -18,7 +18,7 @@ from hknob_cli.scene.general_knob import GeneralKnob
 from tests.engine.general.bodies import knob
 from tests.engine.sets.test_polygon import states_of
 
-from .cells import all_phases
+from .cells import all_phases, centre
 
 MEASURED = {"inertia": 1.9e-6, "coulomb_torque": 5.6e-4}
 HALF = {"half_quantum": True}
@@ -113,7 +113,8 @@ def test_what_is_said_to_rest_comes_to_rest_in_that_reading(seed: int) -> None:
     engine = FrictionSetEngine()
     captured = 0
     one = knob(1000.0, 2048, knob={"inertia": 1.9e-6, "coulomb_torque": 5.0e-4}, bias=HALF)
-    body, drift, known = engine.ready(one.body, one.wall, 0)
+    cell = engine.ready(one.body, one.wall, 0)
+    body, known = cell.body, cell.known
     for _ in range(40):
         x, v = chance.uniform(-3.0, 2.0), chance.choice([0.0, 1.0]) * chance.normal() * 0.01
         size = 10.0 ** chance.uniform(-4.0, -0.5)
@@ -123,7 +124,7 @@ def test_what_is_said_to_rest_comes_to_rest_in_that_reading(seed: int) -> None:
         if min(read(x - size, one.wall), 0.0) != level or min(read(x + size, one.wall), 0.0) != level:
             continue
         radius = largest_norm(corners, 0, 4, body)
-        row = resting_piece([x, v], 0.0, [], 1e-13, radius, level, corners, 4, known, drift, body, one.wall)
+        row = resting_piece(centre([x, v], [], level=level), 1e-13, radius, corners, 4, cell)
         if row < 0:
             continue
         captured += 1

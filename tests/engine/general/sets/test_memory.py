@@ -20,6 +20,7 @@ from tests.controllers.laws import EVERY
 from tests.engine.general.law_runs import states_with_law
 from tests.engine.sets.test_polygon import states_of
 
+from .cells import WHOLE, centre
 from .test_law_search import LATE, LONG, RUBS, cell
 
 WALL = Controller(1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, inf, 0.0)
@@ -51,13 +52,14 @@ def settled(name: str, **parts: Any) -> Any:
     """A cell, its law, the table with its one orbit, and the first of the orbit's samples that are compared with."""
     made, law, length = cell(name, **parts)
     engine = LawSetEngine(law, patience=LONG)
-    body, drift, ends = engine.ready(made.knob.body, made.knob.wall, length)
+    one = engine.ready(made.knob.body, made.knob.wall, length)
+    ends = one.known
     past, z = [0.0] * length, made.knob.start(0.02, 0.0)
     memory.begin_memory(law, acting(z[0], -inf, law.watch), past)
-    row, _ = known.seek(z, 0.0, past, 0, 100_000, 1e9, ends, body, made.knob.wall)
+    row, _ = known.seek(centre(z, past), WHOLE, one)
     assert (row, ends.table[0]) == (0, CYCLE_PROVEN)
     assert ends.counts[1] > 0.0
-    return made, law, ends, drift, list(ends.points[2:4]), list(ends.points[4 : 4 + length])
+    return made, law, ends, one, list(ends.points[2:4]), list(ends.points[4 : 4 + length])
 
 
 @pytest.mark.parametrize("parts", [{}, RUBS, {"actuator": {"delay_samples": 2.0}}])
@@ -135,7 +137,7 @@ def test_an_estimate_forgets_what_was_before(name: str) -> None:
 
 def test_an_average_that_stays_a_unit_in_the_last_place_away_is_proven_too() -> None:
     """A Kalman filter's: of the times that it averages the two come to different numbers, for ever."""
-    made, law, ends, _, z, past = settled("phase, Kalman", **LATE)
+    made, law, ends, one, z, past = settled("phase, Kalman", **LATE)
     body, wall, entered = made.knob.body, made.knob.wall, ends.counts[1]
     period = int(ends.table[1])
     for row in (3, 4):
@@ -154,7 +156,7 @@ def test_an_average_that_stays_a_unit_in_the_last_place_away_is_proven_too() -> 
     margin, bound = ends.table[2], ends.table[5]
     assert known.captor(z, 0.0, other, 0, 0.0, ends, body, wall) == -1
     for _ in range(2):
-        assert known.seek(z, 0.0, other, 0, 100_000, 1e9, ends, body, wall)[0] == 0
+        assert known.seek(centre(z, other), WHOLE, one)[0] == 0
         assert (ends.counts[0], ends.counts[1]) == (1.0, 2.0 * entered)
         assert known.captor(z, 0.0, other, 0, 0.0, ends, body, wall) == 0
         assert known.captor(z, 0.0, past, 0, 0.0, ends, body, wall) == 0
@@ -205,7 +207,8 @@ def test_what_is_said_to_rest_under_a_law_rests_in_that_reading(seed: int, frict
     bias = {"torque": (3.0 * 0.27 + 2.5 * 0.04) * 2.0 * np.pi / 2048}
     made, law, length = cell("bounded lag", 1000.0, 2048, knob=knob, bias=bias, actuator={"delay_samples": 1.0})
     wall = made.knob.wall
-    body, drift, ends = LawSetEngine(law, patience=LONG).ready(made.knob.body, wall, length)
+    one = LawSetEngine(law, patience=LONG).ready(made.knob.body, wall, length)
+    body, ends = one.body, one.known
     captured = 0
     for _ in range(60):
         level = float(chance.choice([-4.0, -3.0, -3.0, -2.0]))
@@ -224,7 +227,7 @@ def test_what_is_said_to_rest_under_a_law_rests_in_that_reading(seed: int, frict
         for _ in range(3):
             memory.command_all(law, level, 0.0, past, wall, torques)
         radius = largest_norm(corners, 0, 4, body)
-        row = resting_piece([x, v], 0.0, past, 1e-13, radius, level, corners, 4, ends, drift, body, wall)
+        row = resting_piece(centre([x, v], past, level=level), 1e-13, radius, corners, 4, one)
         if row < 0:
             continue
         captured += 1

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.sets.box import fill_box
+from hknob_cli.engine.general.sets.cell import Cell
 from hknob_cli.engine.general.sets.lattice import keep, release
 from hknob_cli.engine.general.sets.parts import part
 from hknob_cli.engine.general.sets.piece import (
@@ -24,7 +25,7 @@ from hknob_cli.engine.general.sets.readings import acting, count_levels, remembe
 from hknob_cli.engine.general.sets.room import PieceRoom, hash_scale, make_piece_room
 from hknob_cli.scene.general_knob import GeneralKnob
 
-from .cells import KINDS, SECOND, bounds, cell, kinds, rates, zeros
+from .cells import KINDS, SECOND, bounds, cell, centre, kinds, nothing_known, rates, zeros
 
 quick = settings(deadline=None, max_examples=20)
 ROOMS: dict[tuple[int, int], PieceRoom] = {}
@@ -99,8 +100,9 @@ def test_cutting_and_moving_lose_no_state(kind: str, rate: float, seed: int, cor
     least, most = (z[0] + value for value in (shape[:, 0].min(), shape[:, 0].max()))
     low, high = acting(least - 1e-9, drift.bottom, wall), acting(most + 1e-9, drift.bottom, wall)
     error = 1e-10 / body.reach
-    arguments = (z, before, ring, head, error, 1e-10, 0.0, 1.0, flat, corners, low, high)
-    waiting = part(room, 0, *arguments, drift, body, wall)
+    room.corners[: len(flat)] = flat
+    told = centre(z, ring, before, head=head, error=error)
+    waiting = part(room, 0, told, corners, low, high, 1e-10, Cell(drift, nothing_known(knob), body, wall))
     assert waiting >= count_levels(low, high, wall) or corners == 2
     found = pieces_of(room, waiting, knob)
     units = np.array(drift.units)
@@ -124,7 +126,7 @@ def test_a_box_is_filled_with_all_its_starts(kind: str, seed: int) -> None:
     knob, chance = cell(kind), np.random.default_rng(seed)
     body, wall, drift, room = knob.body, knob.wall, bounds(knob), room_of(knob)
     box = (*sorted(chance.uniform(-8.0, 8.0, 2)), *sorted(chance.uniform(-3.0, 3.0, 2)))
-    waiting = fill_box(*box, knob.delay_line, room, drift, body, wall)
+    waiting = fill_box(box, room, None, drift, body, wall)
     found = pieces_of(room, waiting, knob)
     assert sum(piece[WEIGHT] for _, _, piece in found) == pytest.approx(1.0)
     units = np.array(drift.units)
@@ -155,7 +157,8 @@ def test_merging_loses_no_state_and_mixes_no_memory(kind: str, seed: int) -> Non
         before = remembered(float(chance.integers(-1, 1)), wall)
         shape = polygon(knob, chance, 5, 0.05)
         flat, error = shape.ravel().tolist(), 1e-9
-        assert keep(room, z, before, ring, 0, error, 0.0, 3.0, 0.1, flat, 5, width, drift, body)
+        told = centre(z, ring, before, error=error, sample=3.0, weight=0.1)
+        assert keep(room, told, flat, 5, width, drift, body)
         given_in.append((np.array(z), shape, ring, before))
     found = pieces_of(room, release(room, 0, delay, drift), knob)
     assert len(found) < 16

@@ -17,10 +17,12 @@ from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.controller import read, read_after
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.sets.arc import fill_arcs, follow_arcs
+from hknob_cli.engine.general.sets.cell import Cell
+from hknob_cli.engine.general.sets.ends import Known
 from hknob_cli.engine.general.sets.known import seek
 from hknob_cli.engine.general.sets.parts import next_edge, part
 from hknob_cli.engine.general.sets.piece import BEFORE, CORNERS, ERROR, STATE
-from hknob_cli.engine.general.sets.room import make_arc_room, make_piece_room, with_turns
+from hknob_cli.engine.general.sets.room import make_arc_room, make_piece_room, make_turn_room
 from hknob_cli.engine.general.sets.scope import make_scope
 from hknob_cli.engine.general.sets.search import GeneralSetEngine
 from hknob_cli.engine.general.sets.turns import (
@@ -40,7 +42,7 @@ from hknob_cli.engine.general.sets.turns import (
 from hknob_cli.engine.outcome import Reason
 from hknob_cli.scene.general_knob import GeneralKnob
 
-from .cells import FREE, KINDS, bounds, knob, nothing_known, zeros
+from .cells import FREE, KINDS, WHOLE, bounds, centre, knob, nothing_known, zeros
 from .test_piece import members, off, pieces_of, polygon
 
 PLAIN = [kind for kind, parts in KINDS.items() if "damping" not in parts.get("wall", {})]
@@ -52,6 +54,12 @@ def behind(kind: str, width: float, rate: float = 464.2) -> GeneralKnob:
     """A cell of this kind, its encoder with hysteresis, in counts."""
     parts = KINDS[kind]
     return knob(rate, knob=FREE, **{**parts, "encoder": {**parts.get("encoder", {}), "hysteresis_counts": width}})
+
+
+def behind_known(one: GeneralKnob) -> Known:
+    """Room for its attractors and turning points."""
+    turns = make_turn_room(zeros, one.body.order, one.delay_line, one.wall, None)
+    return nothing_known(one)._replace(turns=turns)
 
 
 @settings(deadline=None, max_examples=60)
@@ -69,17 +77,18 @@ def test_cutting_at_turning_points_loses_no_state(
     """Of a polygon that reads several things, and turns within the interval: each state is in a piece of its count."""
     one, chance = behind(kind, width, rate), np.random.default_rng(seed)
     body, wall, drift, n, delay = one.body, one.wall, bounds(one), one.body.order, one.delay_line
-    room = with_turns(make_piece_room(zeros, n, delay, lattice=4, deep=4096), n, wall, None, zeros)
+    room, known = make_piece_room(zeros, n, delay, lattice=4, deep=4096), behind_known(one)
     z = [float(chance.uniform(-6.0, 3.0)), *(float(v) for v in 0.1 * chance.normal(size=n - 1) / body.reach)]
     shape = polygon(one, chance, corners, 10.0 ** chance.uniform(-3.0, 0.5))
     ring = [float(wall.kappa * chance.integers(0, 5)) for _ in range(delay)]
     before = told(read(z[0] + chance.uniform(-0.5, 0.5) * width, wall), wall)
     least, most = (z[0] + value for value in (shape[:, 0].min(), shape[:, 0].max()))
-    half = half_of(room.turns, False, wall)
-    low, high = (level_at(room.turns, at, before, half, drift.bottom, wall) for at in (least - 1e-9, most + 1e-9))
+    half = half_of(known.turns, False, wall)
+    low, high = (level_at(known.turns, at, before, half, drift.bottom, wall) for at in (least - 1e-9, most + 1e-9))
     error = 1e-10 / body.reach
-    given: Any = z, before, ring, 0, error, 1e-10, 0.0, 1.0, shape.ravel().tolist(), corners, low, high
-    waiting = part(room, 0, *given, drift, body, wall)
+    room.corners[: n * corners] = shape.ravel().tolist()
+    told_from = centre(z, ring, before, error=error)
+    waiting = part(room, 0, told_from, corners, low, high, 1e-10, Cell(drift, known, body, wall))
     assert waiting >= 1
     found, units = pieces_of(room, waiting, one), np.array(drift.units)
     for member in members(shape, chance, 20):
@@ -91,7 +100,7 @@ def test_cutting_at_turning_points_loses_no_state(
             (off(np.array(state) - centre, corners_of, units), piece)
             for centre, corners_of, piece in found
             if piece[STATE + n : STATE + n + delay] == line
-            and level_at(room.turns, state[0], piece[BEFORE], half, drift.bottom, wall) == reads
+            and level_at(known.turns, state[0], piece[BEFORE], half, drift.bottom, wall) == reads
         ]
         assert near, "no piece has these commands, and reads this next"
         assert any(away <= 2.0 * piece[ERROR] + 1e-9 / body.reach for away, piece in near)
@@ -104,12 +113,11 @@ def test_arcs_hold_every_phase_and_end_as_it_does(kind: str, width: float) -> No
     """They leave no gap; trials of random phases end in the attractor of their arc."""
     one = behind(kind, width)
     body, wall, n, drift = one.body, one.wall, one.body.order, bounds(one)
-    known = with_turns(nothing_known(one), n, wall, None, zeros)
-    room = with_turns(make_arc_room(zeros, n, one.delay_line), n, wall, None, zeros)
+    known, room = behind_known(one), make_arc_room(zeros, n, one.delay_line)
     totals, scope = [0.0, 0.0, 1.0, 0.0], make_scope(body, wall, one.position(ANGLE), 0.0, one.rate, None)
-    slack = fill_arcs(one.start(ANGLE, 0.0), one.delay_line, room, drift, body)
-    rest = scope.budget, scope.patience, scope.limit, 10**7, totals, room, drift, known, body, wall
-    waiting, _ = follow_arcs(1, one.delay_line, slack, *rest)
+    slack = fill_arcs(one.start(ANGLE, 0.0), room, drift, body)
+    cell = Cell(drift, known, body, wall)
+    waiting, _ = follow_arcs(1, slack, 10**7, totals, scope, room, cell)
     assert waiting == 0
     assert totals[1] == 0.0
     arcs = sorted(tuple(room.ended[3 * k : 3 * k + 3]) for k in range(int(totals[0])))
@@ -121,7 +129,7 @@ def test_arcs_hold_every_phase_and_end_as_it_does(kind: str, width: float) -> No
         own = {row for low, high, row in arcs if low <= phase <= high}
         z = one.start(ANGLE, 0.0)
         advance_span(z, 0.0, phase, body, zeros(2 * n))
-        row, _ = seek(z, read(z[0], wall), zeros(one.delay_line), 0, 100_000, 1e9, known, body, wall)
+        row, _ = seek(centre(z, zeros(one.delay_line), read(z[0], wall)), WHOLE, cell)
         assert row in own
 
 
@@ -139,8 +147,7 @@ def test_a_search_behind_hysteresis_is_complete() -> None:
 def test_edges_lie_half_the_width_later_on_either_way() -> None:
     """After count -3: up to -2 at -2 + 1/4, down to -4 at -3 - 1/4; outside of the wall all is one, from +1/4 on."""
     one = behind("limit", 0.5)
-    room = with_turns(make_arc_room(zeros, 2, 0), 2, one.wall, None, zeros)
-    turns, wall = room.turns, one.wall
+    turns, wall = behind_known(one).turns, one.wall
     assert (half_of(turns, True, wall), half_of(turns, False, wall)) == (0.0, 0.25)
     assert half_of(None, False, wall) == 0.0
     for x, level in ((-1.8, -3.0), (-1.7, -2.0), (-3.2, -3.0), (-3.3, -4.0), (0.2, -1.0), (0.3, 0.0), (7.0, 0.0)):
@@ -155,14 +162,18 @@ def test_edges_lie_half_the_width_later_on_either_way() -> None:
 def test_what_a_turning_point_does_to_a_count() -> None:
     """Count -3, a quarter to either side: nothing before -1.75, and nothing that the next sample is past as well."""
     wall = behind("limit", 0.5).wall
-    flat = -2.5, -2.5, -2.5  # the lowest, and both ends
+
+    def turned(high: float, top: float, bottom: float, low: float, least: float, most: float, *ways: bool) -> Any:
+        return turned_count(-3.0, [top, high, bottom, low, least, most], *ways, wall)
+
+    flat = -2.5, -2.5  # the lowest
     for top, least, what in ((-1.8, -2.5, CLEAR), (-1.7, -2.5, UP), (-1.7, -1.74, CLEAR), (-0.7, -1.74, UP)):
-        found = turned_count(-3.0, top, top, flat[0], flat[0], least, least, True, False, wall)
+        found = turned(top, top, *flat, least, least, True, False)
         assert found == (what, -3.0 if what == CLEAR else told(read(top - 0.25, wall), wall))
-        assert turned_count(-3.0, top, top, flat[0], flat[0], least, least, False, False, wall) == (CLEAR, -3.0)
-    assert turned_count(-3.0, -2.0, -1.7, -2.5, -2.5, -2.5, -2.5, True, False, wall) == (OPEN, -3.0)
+        assert turned(top, top, *flat, least, least, False, False) == (CLEAR, -3.0)
+    assert turned(-2.0, -1.7, -2.5, -2.5, -2.5, -2.5, True, False) == (OPEN, -3.0)
     for bottom, most, what in ((-3.2, -2.5, CLEAR), (-3.3, -2.5, DOWN), (-3.3, -3.26, CLEAR), (-4.3, -3.26, DOWN)):
-        found = turned_count(-3.0, -2.5, -2.5, bottom, bottom, most, most, False, True, wall)
+        found = turned(-2.5, -2.5, bottom, bottom, most, most, False, True)
         assert found == (what, -3.0 if what == CLEAR else told(read(bottom + 0.25, wall), wall))
-    assert turned_count(-3.0, -2.5, -2.5, -3.3, -3.0, -2.5, -2.5, False, True, wall) == (OPEN, -3.0)
-    assert turned_count(-3.0, -1.7, -1.7, -3.3, -3.3, -2.5, -2.5, True, True, wall) == (OPEN, -3.0)  # in what order?
+    assert turned(-2.5, -2.5, -3.3, -3.0, -2.5, -2.5, False, True) == (OPEN, -3.0)
+    assert turned(-1.7, -1.7, -3.3, -3.3, -2.5, -2.5, True, True) == (OPEN, -3.0)  # in what order?
