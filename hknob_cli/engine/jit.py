@@ -49,6 +49,7 @@ GENERAL = (
     "general.powers",
     "general.bent",
     "general.period_map",
+    "general.orbit_proof",
     "general.inner_region",
     "general.cog_rest",
     "general.standstill",

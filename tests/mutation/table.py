@@ -119,6 +119,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/parting.py": (f"{GENERAL}test_parting.py",),
     "general/jitter.py": (f"{GENERAL}test_jitter.py", *ABSENT),
     "general/powers.py": (f"{PROOF}test_power_margins.py", f"{GENERAL}test_powers.py"),
+    "general/orbit_proof.py": (f"{PROOF}test_period_map_margins.py",),
     "general/period_map.py": (f"{PROOF}test_period_map_margins.py", f"{PROOF}test_turn_margins.py"),
     "general/bent.py": (f"{PROOF}test_bent_margins.py",),
     "general/torque_curve.py": (f"{GENERAL}test_curve_by_hand.py", f"{GENERAL}test_torque_curve.py", *ABSENT),

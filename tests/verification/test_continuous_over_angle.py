@@ -16,7 +16,7 @@ from hknob_cli.engine.attractors import Attractor, Patience
 from hknob_cli.engine.certificate import DIFFERENT, PROVEN
 from hknob_cli.engine.general.controller import bends, read
 from hknob_cli.engine.general.interval import advance
-from hknob_cli.engine.general.period_map import certify
+from hknob_cli.engine.general.orbit_proof import certify
 from hknob_cli.engine.general.search import GeneralEngine, as_list, make_space
 from hknob_cli.engine.general.torque_curve import curve_at, rounded_size
 from hknob_cli.engine.jit import compiled

@@ -5,7 +5,8 @@
 - `advance` from event to event, `hysteresis` of the count on the way
 - `teeth` of a gear, one mode of their motion, `flanks` from mode to mode, `flank_rest`: how long they stay on one
 - `cogging` on one slope, `slopes` from slope to slope, `cog_rest` on one
-- `period_map` the proof, `powers` of its derivative, `bent` where a torque over the angle bends
+- `period_map` the map over a period, `powers` of its derivative, `orbit_proof` the proof, `bent` where a torque over
+  the angle bends
 - `inner_region` rest that is never reached, `captured` by an orbit that is known, or back where it was
 - `parting` of nearby motions, where they do not repeat
 - `every_clock` a bound for all clocks that jitter so much, by `clock_cells`

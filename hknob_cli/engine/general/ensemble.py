@@ -19,7 +19,7 @@ from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, CYCLE
 from hknob_cli.engine.general.interval import advance, pass_over
 from hknob_cli.engine.general.jitter import begin_clock
 from hknob_cli.engine.general.laws.law import REST_NOT_PROVEN
-from hknob_cli.engine.general.period_map import certify
+from hknob_cli.engine.general.orbit_proof import certify
 from hknob_cli.engine.general.torque_curve import has_curve, place_at
 
 
@@ -120,7 +120,7 @@ def find(fate, period, z, shown, rows, table, states, order):
 def enter_row(row, fate, period, proof, last, trial, head, rest):
     """Write an end where it is new; of one at rest, how far its trials reach.
 
-    ``proof``: margin, edge, closure and bound of `period_map.certify`; ``last``: reading that the row keeps.
+    ``proof``: margin, edge, closure and bound of `orbit_proof.certify`; ``last``: reading that the row keeps.
     """
     table, z, ring = trial.table, trial.z, trial.ring
     base, n, delay = row * FIELDS, len(z), len(ring)

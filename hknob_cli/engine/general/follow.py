@@ -23,7 +23,7 @@ from hknob_cli.engine.general.inner_region import stands
 from hknob_cli.engine.general.interval import advance, advance_jittering, rubs_alone
 from hknob_cli.engine.general.jitter import jitters
 from hknob_cli.engine.general.laws.law import REST_NOT_PROVEN
-from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS, certify
+from hknob_cli.engine.general.orbit_proof import AT_EVENT, EXPANDS, PARTS, certify
 from hknob_cli.engine.general.slide_two import step_with_friction
 from hknob_cli.engine.general.standstill import SETTLING, is_followed, settles
 from hknob_cli.engine.general.torque_curve import has_curve, place_at
@@ -167,6 +167,36 @@ def last_look(trial, shown, before, head, body, wall, settling, on_edge):
     return (UNSETTLED if body.damped else UNDAMPED), 0, before
 
 
+def prove_repeat(trial, before, head, since, gap, body, wall):
+    """Try to prove an orbit of ``since`` samples from a trial that came back within ``gap``: ``(status, margin)``."""
+    if wall.analog == 0.0 and not closes_in(trial, before, head, since, gap, body, wall):
+        return DIFFERENT, 0.0
+    status, margin, _, _, _ = certify(trial.z, before, trial.ring, head, since, body, wall, trial.space)
+    if status == NEUTRAL and body.friction > 0.0:
+        return DIFFERENT, margin  # held by friction: no cycle
+    return status, margin
+
+
+def tolerance_after(status, gap, margin, trial, body):
+    """How near a trial must come back for the next proof, after one from a ``gap`` has failed."""
+    if status == NOT_CAPTURED:
+        away = beside_orbit(trial, body)
+        return gap * min(1.0, 0.9 * margin / away) if away > 0.0 else 0.5 * gap
+    if status == DIFFERENT and gap == 0.0:
+        return FIRST_TOLERANCE
+    return 0.5 * gap
+
+
+def changes_level(shown, last, level, wall):
+    """The level of a sample that shows ``shown``, after ``last`` and ``level``: ``(level, whether it acts alike)``."""
+    now = depth_level(shown, wall)
+    same = now == level if wall.analog == 0.0 else (shown < 0.0) == (last < 0.0)
+    if has_curve(wall.curve):
+        now = turn_level(shown, last, level)
+        same = same and place_at(shown, wall.curve) == place_at(last, wall.curve)
+    return now, same
+
+
 def follow_trial(trial, before, head, budget, body, wall):
     """Follow a trial until its fate is proven: ``(fate, period, before, head, samples)``.
 
@@ -205,11 +235,8 @@ def follow_trial(trial, before, head, budget, body, wall):
                 return KNOWN, row, before, head, i
         last = shown
         shown = read_after(x, before, wall)
-        level_before, level = level, depth_level(shown, wall)
-        same = level == level_before if wall.analog == 0.0 else (shown < 0.0) == (last < 0.0)
-        if has_curve(wall.curve):
-            level = turn_level(shown, last, level_before)
-            same = same and place_at(shown, wall.curve) == place_at(last, wall.curve)
+        level_before = level
+        level, same = changes_level(shown, last, level, wall)
         if same:
             run += 1
             if run >= next_test:
@@ -244,12 +271,10 @@ def follow_trial(trial, before, head, budget, body, wall):
                         # Probably an orbit known already, whose deepest sample will show it.
                         status, left_alone = WAIT, left_alone + 1
                         tolerance = 0.25 * gap
-                    elif wall.analog > 0.0 or closes_in(trial, before, head, since, gap, body, wall):
-                        status, margin, _, _, _ = certify(z, before, ring, head, since, body, wall, space)
+                    else:
+                        status, margin = prove_repeat(trial, before, head, since, gap, body, wall)
                         if wall.analog > 0.0:
                             wait = i + PROOF_COST * since
-                        if status == NEUTRAL and body.friction > 0.0:
-                            status = DIFFERENT  # held by friction: no cycle
                     if status == PROVEN or status == NEUTRAL:
                         copy_to(z, space.orbit)
                         copy_to(ring, space.orbit_line)
@@ -265,12 +290,7 @@ def follow_trial(trial, before, head, budget, body, wall):
                             copy_to(ring, trial.keep_ring)
                             return CYCLE_PARTS, since, kept_before, head, i
                     if status != WAIT:
-                        tolerance = 0.5 * gap
-                    if status == NOT_CAPTURED:
-                        away = beside_orbit(trial, body)
-                        tolerance = gap * min(1.0, 0.9 * margin / away) if away > 0.0 else 0.5 * gap
-                    elif status == DIFFERENT and gap == 0.0:
-                        tolerance = FIRST_TOLERANCE
+                        tolerance = tolerance_after(status, gap, margin, trial, body)
             events += 1
             if events == next_checkpoint:
                 next_checkpoint = 2 * events

@@ -1,22 +1,14 @@
-"""Proof of a limit cycle of the general loop: closure of the period map, and its contraction.
+"""The map over a period of the general loop, its derivative, and its fixed point by Newton's method.
 
-From a trial whose readings seem to repeat, Newton's method finds the fixed point of the map over the period; the map's
-derivative is carried through every event. Where the encoder has counts, two motions that get the same readings get the
-same commands, and the energy of their difference never grows, friction or not. So a trial that is nearer to the orbit
-than any sample of it is to an edge has the same readings for ever; the derivative says that it then converges. With a
-continuous sensor the command follows the motion, and the growth of a difference is bounded by the derivative's powers.
-Teeth with play keep that energy while they stay on one flank, which is one more margin; where they part it may grow,
-and the derivative alone says that nearby motions come closer: that is no proof. So it is with cogging, whose corners
-are such a margin, as long as the springs of one slope hold the knob. A torque over the angle of a continuous sensor is
-linear between its knees and steps, which are such margins, too; where it bends, `bent` bounds what that adds.
+From a trial whose readings seem to repeat, the map's derivative is carried through every event. Beside it are the least
+distances of the motion from what would change its course: edges of counts, and events between samples.
 """
 
 from typing import Any, NamedTuple
 
-from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
-from hknob_cli.engine.general.bent import holds_though_bent
-from hknob_cli.engine.general.body import norm, stiffness, turn_finger
-from hknob_cli.engine.general.cogging import ROOT, SIZE, cog_number, far_apart, has_cogs, reach_on
+from hknob_cli.engine.certificate import EPSILON
+from hknob_cli.engine.general.body import turn_finger
+from hknob_cli.engine.general.cogging import SIZE, cog_number, far_apart, has_cogs, reach_on
 from hknob_cli.engine.general.controller import (
     bends,
     command,
@@ -30,16 +22,9 @@ from hknob_cli.engine.general.controller import (
 from hknob_cli.engine.general.flank_rest import flank_room_on
 from hknob_cli.engine.general.hysteresis import hold_and_count
 from hknob_cli.engine.general.interval import advance_columns
-from hknob_cli.engine.general.powers import bound_growth, dissipates, growth_bound, invert
-from hknob_cli.engine.general.torque_curve import has_curve
+from hknob_cli.engine.general.powers import invert
 
-AT_EVENT = 5  # a standstill of the motion could, within rounding, go another way
-EXPANDS = 6  # the period map does not contract
-PARTS = 7  # teeth part within the period, or cogging does not hold the knob: its map contracts to first order
 NEWTON_STEPS = 8
-STILL = 16.0  # times its error bound, by which a motion must move at least to be a cycle, beside a curve
-AS_NEAR = 1e-9  # of an orbit's size: a trial so near to it is as near as it may come
-LEAST_SCALE = 1e-3  # of speeds against positions, in a norm of differences; a rest point has no speed
 
 
 class Space(NamedTuple):
@@ -195,134 +180,69 @@ def within(before, ring, head, period, body, wall, space, m):
     return True, bound
 
 
-def certify(z, before, ring, head, period, body, wall, space):
-    """Try to prove an orbit of ``period`` samples from a trial at ``z`` whose readings seem to repeat.
+def comes_back(start, last, at, head, body, wall, space):
+    """Whether all that must be the same after a period is; what else the motion in ``space`` differs by, to `residual`.
 
-    Returns ``(status, margin, edge, closure, bound)`` as `engine.certificate.certify` does; the orbit's state at this
-    sample is left in ``space.orbit``, its delay line in ``space.orbit_line``, its last reading in ``space.reading``.
+    ``start`` and ``last``: the last reading before it and at its end; ``head`` and ``at``: the oldest command then.
     """
-    n, width = body.order, space.width
-    delay = len(ring)
-    m = width if wall.analog > 0.0 else n
-    start, last = before, before
-    space.reading[0] = before
+    n, delay = body.order, len(space.line)
     for i in range(n):
-        space.orbit[i] = z[i]
+        space.residual[i] = space.state[i] - space.orbit[i]
     for j in range(delay):
-        space.orbit_line[j] = ring[j]
-    margin, edge, reach, pace, closure, size = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    solved, best = True, float("inf")
+        if wall.analog > 0.0:
+            space.residual[n + j] = space.line[j] - space.orbit_line[j]
+        elif space.line[(at + j) % delay] != space.orbit_line[(head + j) % delay]:
+            return False
+    if wall.analog > 0.0:
+        space.residual[space.width - 1] = last - start
+        return True
+    if wall.damping > 0.0 and last != start:
+        return False
+    return not (wall.hysteresis > 0.0 and inside(last, wall) != inside(start, wall))
+
+
+def closure_of(space, n):
+    """Length of the residual of a state."""
+    closure = 0.0
+    for i in range(n):
+        closure += space.residual[i] * space.residual[i]
+    return closure**0.5
+
+
+def step_orbit(start, n, m, space):
+    """Move the orbit in ``space`` by a step of Newton's method, and the reading before it; which is returned."""
+    for i in range(m):
+        change = 0.0
+        for j in range(m):
+            change += space.matrix[i * 2 * m + m + j] * space.residual[j]
+        if i < n:
+            space.orbit[i] += change
+        elif i < space.width - 1:
+            space.orbit_line[i - n] += change
+        else:
+            start += change
+            space.reading[0] = start
+    return start
+
+
+def find_orbit(ring, head, period, body, wall, space, m):
+    """Find a fixed point of the map over a period, near the state in ``space.orbit``, by Newton's method.
+
+    Returns ``(same, solved, margin, edge, reach, pace, closure)``: whether all that must be the same comes back;
+    whether the derivative could be inverted; the next four as `turn`.
+    """
+    start, best = space.reading[0], float("inf")
+    margin, edge, reach, pace, closure, solved = 0.0, 0.0, 0.0, 0.0, 0.0, True
     for step in range(NEWTON_STEPS):
         margin, edge, reach, pace, last, at = turn(start, ring, head, period, body, wall, space, m)
-        for i in range(n):
-            space.residual[i] = space.state[i] - space.orbit[i]
-        for j in range(delay):
-            if wall.analog > 0.0:
-                space.residual[n + j] = space.line[j] - space.orbit_line[j]
-            elif space.line[(at + j) % delay] != space.orbit_line[(head + j) % delay]:
-                return DIFFERENT, 0.0, 0.0, 0.0, 0.0
-        if wall.analog > 0.0:
-            space.residual[width - 1] = last - start
-        elif (wall.damping > 0.0 and last != start) or (
-            wall.hysteresis > 0.0 and inside(last, wall) != inside(start, wall)
-        ):
-            return DIFFERENT, 0.0, 0.0, 0.0, 0.0
-        closure = 0.0
-        for i in range(n):
-            closure += space.residual[i] * space.residual[i]
-        closure = closure**0.5
-        size = 4.0 * EPSILON * (reach + pace)
-        solved = invert(space.matrix, space.cols, m, width)
+        if not comes_back(start, last, at, head, body, wall, space):
+            return False, solved, margin, edge, reach, pace, closure
+        closure = closure_of(space, body.order)
+        solved = invert(space.matrix, space.cols, m, space.width)
         # The orbit that the last step leaves is the one whose residual is known.
-        if not solved or closure <= size or closure >= 0.5 * best or step == NEWTON_STEPS - 1:
+        small = closure <= 4.0 * EPSILON * (reach + pace)
+        if not solved or small or closure >= 0.5 * best or step == NEWTON_STEPS - 1:
             break
         best = min(best, closure)
-        for i in range(m):
-            change = 0.0
-            for j in range(m):
-                change += space.matrix[i * 2 * m + m + j] * space.residual[j]
-            if i < n:
-                space.orbit[i] += change
-            elif i < width - 1:
-                space.orbit_line[i - n] += change
-            else:
-                start += change
-                space.reading[0] = start
-    if not closure < 1e-6 * (reach + pace):
-        return DIFFERENT, 0.0, 0.0, 0.0, 0.0
-    stands = has_curve(wall.curve) and period > 1
-    if stands and pace <= size:
-        return DIFFERENT, 0.0, 0.0, 0.0, 0.0  # at rest
-    if not solved:
-        return NEUTRAL, margin, edge, closure, 0.0
-    # Every interval adds some roundings; those of one have decayed, or add up at most, over a period.
-    rounding = 8.0 * EPSILON * period
-    for i in range(m):
-        total = 0.0
-        for j in range(m):
-            slow = j % 2 == 1 and not (body.lag > 0.0 and j == n - 1)
-            part = abs(space.residual[j]) + rounding * (2.0 * pace if slow else reach + pace)
-            total += abs(space.matrix[i * 2 * m + m + j]) * part
-        space.away[i] = total
-    bound = space.away[0]
-    if stands and pace <= STILL * bound:
-        return DIFFERENT, 0.0, 0.0, 0.0, 0.0
-    scale = max(pace / (reach + pace), LEAST_SCALE) if pace > 0.0 else 1.0
-    turn_finger(space.away, body)
-    far, spread = far_apart(body.cogs, space.away, space.orbit[0], body), norm(space.away, body)
-    turn_finger(space.away, body)
-    if wall.analog == 0.0 and (has_cogs(body.cogs) or body.reach < float("inf")) and far < float("inf"):
-        bound = max(bound, far)  # at every sample of the period, not only at the first
-    if body.friction > 0.0:
-        # A difference of speeds, and of torques, that the error allows at any time: its energy does not grow.
-        root = cog_number(body.cogs, ROOT)
-        speed = spread + root * space.away[0]
-        late = space.away[n - 1] if body.lag > 0.0 else 0.0
-        if not (space.marks[0] > 2.0 * ((stiffness(body) + root) * speed + late) and space.marks[1] > speed):
-            return AT_EVENT, margin, edge, closure, bound
-    parts = False
-    if body.play > 0.0:
-        room = flank_room_on(body.cogs, space.marks[2], space.orbit[0], body)
-        parts = not room > bound
-        if not parts:
-            margin = min(margin, room)
-    if has_cogs(body.cogs):
-        parts = parts or not (space.marks[3] > bound and far < float("inf"))
-        if not parts:
-            margin = min(margin, space.marks[3])
-    if not margin > bound:
-        return ON_EDGE, margin, edge, closure, bound
-    if not dissipates(space.cols, width, space.power, space.spare, m, scale, period):
-        # With a continuous sensor, or teeth that part, motions part: the trial passed by an orbit that it will leave
-        # again.
-        return (EXPANDS if wall.analog == 0.0 and not parts else DIFFERENT), margin, edge, closure, bound
-    if parts:
-        return PARTS, margin, edge, closure, bound
-    for i in range(n):
-        space.residual[i] = z[i] - space.orbit[i]
-    if wall.analog == 0.0:
-        if not far_apart(body.cogs, space.residual, space.orbit[0], body) + bound < margin:
-            return NOT_CAPTURED, margin, edge, closure, bound
-        return PROVEN, margin, edge, closure, bound
-    if body.friction > 0.0:
-        return EXPANDS, margin, edge, closure, bound
-    for j in range(delay):
-        space.residual[n + j] = ring[j] - space.orbit_line[j]
-    space.residual[width - 1] = before - start
-    curved, off = bends(wall) > 0.0, 0.0
-    if curved:
-        for i in range(m):
-            off = max(off, abs(space.residual[i]))
-        # Of a motion beside cogging all numbers are bounded at the start of a period alone.
-        known = period <= len(space.trail) and (period == 1 or not (body.play > 0.0 or has_cogs(body.cogs)))
-        if not known or not growth_bound(space.cols, width, space.power, space.spare, space.total, m, scale):
-            return EXPANDS, margin, edge, closure, bound
-    if not bound_growth(space, m, scale, period):
-        return EXPANDS, margin, edge, closure, bound
-    near, bound = within(start, ring, head, period, body, wall, space, m)
-    if near and curved:
-        near, more = holds_though_bent(start, head, period, body, wall, space, scale)
-        bound += more
-        if not near and off <= AS_NEAR * (reach + pace):
-            return EXPANDS, margin, edge, closure, bound
-    return (PROVEN if near else NOT_CAPTURED), margin, edge, closure, bound
+        start = step_orbit(start, body.order, m, space)
+    return True, solved, margin, edge, reach, pace, closure

@@ -8,7 +8,7 @@ from scipy.linalg import expm
 
 from hknob_cli.engine.general.advance import rub_columns
 from hknob_cli.engine.general.interval import advance, advance_columns
-from hknob_cli.engine.general.period_map import invert
+from hknob_cli.engine.general.powers import invert
 from hknob_cli.engine.general.search import make_space
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.scene.general_knob import GeneralKnob

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NOT_CAPTURED, PROVEN
-from hknob_cli.engine.general import cogging, inner_region, standstill
+from hknob_cli.engine.general import cogging, inner_region, orbit_proof, standstill
 from hknob_cli.engine.general.body import Body, norm
 from hknob_cli.engine.general.cogging import far_apart, hold_stiffness, own_stiffness
 from hknob_cli.engine.general.flank_rest import flank_room, flank_room_on, held_in_teeth
-from hknob_cli.engine.general.laws import period, rest
-from hknob_cli.engine.general.period_map import EXPANDS, PARTS
+from hknob_cli.engine.general.laws import rest
+from hknob_cli.engine.general.orbit_proof import EXPANDS, PARTS
 from hknob_cli.engine.general.standstill import SETTLING, settles
 from hknob_cli.engine.rest import AT_REST, MOVING
 from tests.engine.general.gears import Gear, geared
@@ -118,7 +118,7 @@ def test_a_cycle_under_a_law_is_proven_as_far_as_its_teeth_do_not_part(
 
     def told(stage: Stage, room: float, law: Any = None, one: Body = one, z: Any = None) -> Any:
         asked = Room(room)
-        monkeypatch.setattr(period, "flank_room_on", asked.on)
+        monkeypatch.setattr(orbit_proof, "flank_room_on", asked.on)
         found = prove(stage, law or law_of(), one=one, z=z)
         assert asked.asked == ([0.375] if one.play > 0.0 else [])
         return found

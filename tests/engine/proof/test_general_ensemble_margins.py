@@ -37,7 +37,7 @@ from hknob_cli.engine.general.ensemble import (
     run_trials,
 )
 from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, CYCLE_PARTS, KNOWN
-from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS
+from hknob_cli.engine.general.orbit_proof import AT_EVENT, EXPANDS, PARTS
 from hknob_cli.engine.general.search import make_space
 from tests.engine.trial_space import trial_of
 

@@ -37,7 +37,7 @@ from hknob_cli.engine.general.follow import (
     rubs_alone,
 )
 from hknob_cli.engine.general.laws.law import REST_NOT_PROVEN
-from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS
+from hknob_cli.engine.general.orbit_proof import AT_EVENT, EXPANDS, PARTS
 from hknob_cli.engine.general.search import make_space
 from hknob_cli.engine.general.standstill import SETTLING
 from hknob_cli.engine.general.torque_curve import HEAD, HIGHEST, LOWEST, STOP

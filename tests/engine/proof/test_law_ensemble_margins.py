@@ -32,7 +32,7 @@ from hknob_cli.engine.general.laws.trials import (
     run_trials_with_law,
     turn_to_deepest,
 )
-from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS
+from hknob_cli.engine.general.orbit_proof import AT_EVENT, EXPANDS, PARTS
 
 from .test_general_ensemble_margins import CYCLES, NEAR, State, a_row, with_room
 from .test_standstill_margins import WALL, body

@@ -41,7 +41,7 @@ from hknob_cli.engine.general.laws.follow import (
 )
 from hknob_cli.engine.general.laws.law import CYCLE_AT_SWITCH, CYCLE_NOT_AFFINE, REST_NOT_PROVEN
 from hknob_cli.engine.general.laws.period import AT_SWITCH, REPEATS
-from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS
+from hknob_cli.engine.general.orbit_proof import AT_EVENT, EXPANDS, PARTS
 from hknob_cli.engine.general.search import make_space
 from hknob_cli.engine.general.standstill import SETTLING
 from hknob_cli.engine.rest import AT_REST, MOVING, REST_ON_EDGE, RINGS

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
-from hknob_cli.engine.general import period_map, powers
+from hknob_cli.engine.general import orbit_proof, period_map, powers
 from hknob_cli.engine.general.body import Body, distance, norm, stiffness
 from hknob_cli.engine.general.cogging import far_apart
 from hknob_cli.engine.general.controller import Controller
-from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS, Space, certify
+from hknob_cli.engine.general.orbit_proof import AT_EVENT, EXPANDS, PARTS, certify
+from hknob_cli.engine.general.period_map import Space
 from hknob_cli.engine.general.search import make_space
 
 from .test_standstill_margins import FINGER, LAGGING, WALL, body
@@ -100,7 +101,7 @@ def prove(
         asked.append((list(room.away), list(room.power[:m])))
         return near, 0.125
 
-    true = period_map.dissipates
+    true = orbit_proof.dissipates
 
     def dissipates(cols: Any, stride: int, power: Any, spare: Any, m: int, scale: float, samples: int) -> bool:
         assert samples == period
@@ -109,8 +110,8 @@ def prove(
 
     with monkeypatch.context() as patch:
         patch.setattr(period_map, "turn", turn)
-        patch.setattr(period_map, "within", within)
-        patch.setattr(period_map, "dissipates", dissipates)
+        patch.setattr(orbit_proof, "within", within)
+        patch.setattr(orbit_proof, "dissipates", dissipates)
         line = list(ring)
         found = certify([float(x) for x in z], before, line, head, period, one, wall, space)
     assert line == list(ring)

@@ -18,7 +18,8 @@ from hknob_cli.engine.general.controller import count_gap, edge_gap, read
 from hknob_cli.engine.general.laws import sensed
 from hknob_cli.engine.general.laws.law import AT_SWITCH, PIECE, SPAN, TORQUE
 from hknob_cli.engine.general.laws.step import advance_with_law, decide
-from hknob_cli.engine.general.period_map import EXPANDS, NEWTON_STEPS
+from hknob_cli.engine.general.orbit_proof import EXPANDS
+from hknob_cli.engine.general.period_map import NEWTON_STEPS
 from hknob_cli.engine.general.search import make_space
 from tests.engine.general.test_sensed import PARTS, certified, found
 

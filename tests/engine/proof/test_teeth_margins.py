@@ -8,7 +8,7 @@ import pytest
 from hknob_cli.engine.certificate import DIFFERENT, NOT_CAPTURED, PROVEN
 from hknob_cli.engine.general.body import norm
 from hknob_cli.engine.general.flank_rest import flank_room
-from hknob_cli.engine.general.period_map import PARTS
+from hknob_cli.engine.general.orbit_proof import PARTS
 from hknob_cli.engine.general.standstill import settles
 from hknob_cli.engine.general.teeth import press, pressing, stuck_told, told
 from hknob_cli.engine.rest import AT_REST, MOVING

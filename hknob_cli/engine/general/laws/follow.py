@@ -32,7 +32,7 @@ from hknob_cli.engine.general.laws.law import AT_SWITCH, CYCLE_AT_SWITCH, REST_N
 from hknob_cli.engine.general.laws.period import REPEATS, certify_with_law
 from hknob_cli.engine.general.laws.rest import settles_with_law
 from hknob_cli.engine.general.laws.step import advance_jittering_with_law, advance_with_law
-from hknob_cli.engine.general.period_map import EXPANDS, PARTS
+from hknob_cli.engine.general.orbit_proof import EXPANDS, PARTS
 from hknob_cli.engine.general.standstill import SETTLING
 from hknob_cli.engine.general.torque_curve import has_curve, place_at
 from hknob_cli.engine.rest import AT_REST, REST_ON_EDGE, RINGS
@@ -130,6 +130,39 @@ def periods_passed(left, period, ahead, events):
     return max(0, min(left // period, (ahead - 1) // events))
 
 
+def prove_repeat_with_law(trial, since, body, wall, law):
+    """Try to prove an orbit of ``since`` samples from a trial that came back: ``(status, margin)``."""
+    status, margin, _, _, _ = certify_with_law(trial.z, trial.ring, since, body, wall, law, trial.space)
+    if status == NEUTRAL and body.friction > 0.0:
+        return DIFFERENT, margin
+    return status, margin
+
+
+def tolerance_with_law(status, gap, margin, loosest, trial, body, law):
+    """How near a trial must come back for the next proof, after one from a ``gap`` has failed."""
+    space = trial.space
+    if status == NOT_CAPTURED and not law.senses:
+        for j in range(body.order):
+            space.away[j] = trial.z[j] - space.orbit[j]
+        away = apart(space.away, space.orbit[0], trial.ring, law.periodic, body, law)
+        return gap * min(1.0, 0.9 * margin / away) if away > 0.0 else 0.5 * gap
+    if status == DIFFERENT and gap == 0.0:
+        return loosest
+    return 0.5 * gap
+
+
+def keep_repeat(trial, status, gap, body, wall, law):
+    """Keep an orbit that is not proven; whether a trial so near to it is not followed further."""
+    space, x = trial.space, trial.z[0]
+    copy_to(trial.keep, space.orbit)
+    copy_to(trial.keep_ring, law.periodic)
+    for j in range(body.order):
+        space.away[j] = trial.z[j] - trial.keep[j]
+    if status == PARTS and unlike(space.away, x, trial.ring, trial.keep_ring, body, law) < BESIDE:
+        return True
+    return not law.provable and (wall.analog == 0.0 or gap <= CLOSE * (1.0 + abs(x)))
+
+
 def follow_with_law(trial, budget, body, wall, law):
     """Follow a trial until its fate is proven: ``(fate, period, samples)``; as `general.follow.follow_trial`.
 
@@ -206,33 +239,19 @@ def follow_with_law(trial, budget, body, wall, law):
                         status, left_alone = WAIT, left_alone + 1
                         tolerance = 0.25 * gap
                     else:
-                        status, margin, _, _, _ = certify_with_law(z, past, since, body, wall, law, space)
-                        if status == NEUTRAL and body.friction > 0.0:
-                            status = DIFFERENT
+                        status, margin = prove_repeat_with_law(trial, since, body, wall, law)
                     if status == PROVEN or status == NEUTRAL:
                         copy_to(z, space.orbit)
                         copy_to(past, law.periodic)
                         return fate_of(status, law), since, i
                     if status != WAIT and status != DIFFERENT and status != NOT_CAPTURED:
                         kept, kept_fate = since, fate_of(status, law)
-                        copy_to(trial.keep, space.orbit)
-                        copy_to(trial.keep_ring, law.periodic)
-                        for j in range(n):
-                            space.away[j] = z[j] - trial.keep[j]
-                        beside = status == PARTS and unlike(space.away, x, past, trial.keep_ring, body, law) < BESIDE
-                        if beside or (not law.provable and (wall.analog == 0.0 or gap <= CLOSE * (1.0 + abs(x)))):
+                        if keep_repeat(trial, status, gap, body, wall, law):
                             copy_to(z, trial.keep)
                             copy_to(past, trial.keep_ring)
                             return kept_fate, since, i
                     if status != WAIT:
-                        tolerance = 0.5 * gap
-                    if status == NOT_CAPTURED and not law.senses:
-                        for j in range(n):
-                            space.away[j] = z[j] - space.orbit[j]
-                        away = apart(space.away, space.orbit[0], past, law.periodic, body, law)
-                        tolerance = gap * min(1.0, 0.9 * margin / away) if away > 0.0 else 0.5 * gap
-                    elif status == DIFFERENT and gap == 0.0:
-                        tolerance = loosest
+                        tolerance = tolerance_with_law(status, gap, margin, loosest, trial, body, law)
                     steady = law.provable and not law.senses and tolerance == 0.0
                     if steady and same_to_the_bit(z, past, check, checkpast):
                         gone = events + 1 - begun

@@ -8,10 +8,9 @@ torques of that memory. What the torques may be wrong by enters the bound on the
 from math import sqrt
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
-from hknob_cli.engine.general.body import copy_to, norm, stiffness, turn_finger
-from hknob_cli.engine.general.cogging import ROOT, SIZE, cog_number, far_apart, has_cogs, hold_stiffness, reach_on
+from hknob_cli.engine.general.body import copy_to
+from hknob_cli.engine.general.cogging import SIZE, cog_number, hold_stiffness, reach_on
 from hknob_cli.engine.general.controller import count_gap, edge_gap, read_after, table_size
-from hknob_cli.engine.general.flank_rest import flank_room_on
 from hknob_cli.engine.general.laws.cascade import (
     apart,
     faded,
@@ -24,7 +23,16 @@ from hknob_cli.engine.general.laws.cascade import (
 from hknob_cli.engine.general.laws.law import AT_SWITCH, LOOK, PIECE, ROUNDINGS
 from hknob_cli.engine.general.laws.sensed import begin_columns, certify_sensed, move_piece_columns
 from hknob_cli.engine.general.laws.step import FREE, advance_with_law, count_piece, decide
-from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, LEAST_SCALE, NEWTON_STEPS, PARTS
+from hknob_cli.engine.general.orbit_proof import (
+    AT_EVENT,
+    EXPANDS,
+    PARTS,
+    bound_error,
+    margin_of_parts,
+    meets_event,
+    scale_of,
+)
+from hknob_cli.engine.general.period_map import NEWTON_STEPS, closure_of
 from hknob_cli.engine.general.powers import dissipates, invert
 
 REPEATS = 1e-8  # counts, relative: by which what cannot be proven must come back
@@ -132,6 +140,65 @@ def certify_repeat(z, past, period, body, wall, law, space):
     return DIFFERENT, 0.0, 0.0, 0.0, 0.0
 
 
+def is_late(past, law):
+    """By how much torques under way are not those of a period before."""
+    late = 0.0
+    for j in range(law.line + law.parts, law.line + law.ages * law.parts):
+        late = max(late, abs(past[j] - law.periodic[j]))
+    return late
+
+
+def find_orbit_with_law(period, body, wall, law, space):
+    """Find the plant's fixed point under the periodic memory, near the state in ``space.orbit``, by Newton's method.
+
+    Returns ``(same, solved, closure, missed, late, turned)``: whether all that is counted comes back; whether the
+    derivative could be inverted; by what the number that fades, and torques under way, do not come back;
+    ``turned``: as `turn_with_law` has it.
+    """
+    n, best = body.order, float("inf")
+    turned, solved = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, True), True
+    closure, missed, late = 0.0, 0.0, 0.0
+    for step in range(NEWTON_STEPS):
+        copy_to(law.beside, law.periodic)
+        turned = turn_with_law(law.beside, period, body, wall, law, space, n)
+        if not same_count(law.beside, law.periodic, law):
+            return False, solved, closure, missed, late, turned
+        missed, late = faded(law.beside, law.periodic, law), is_late(law.beside, law)
+        for i in range(n):
+            space.residual[i] = space.state[i] - space.orbit[i]
+        closure = closure_of(space, n)
+        solved = invert(space.matrix, space.cols, n, space.width)
+        reach, pace = turned[2], turned[3]
+        small = closure <= 4.0 * EPSILON * (reach + pace)
+        if not solved or small or closure >= 0.5 * best or step == NEWTON_STEPS - 1:
+            break
+        best = min(best, closure)
+        for i in range(n):
+            for j in range(n):
+                space.orbit[i] += space.matrix[i * 2 * n + n + j] * space.residual[j]
+        settle_faded(law.beside, law.periodic, period, law)
+        copy_to(law.periodic, law.beside)
+    return True, solved, closure, missed, late, turned
+
+
+def wrong_torque(missed, late, turned, period, law):
+    """How wrong the number that fades may be, and how wrong a torque: ``(worn, wrong)``.
+
+    By what does not come back (``missed``, ``late``) and by the rounding of each update.
+    """
+    _, _, reach, pace, _, strength, anchored = turned
+    worn = 0.0
+    if law.fading >= 0:
+        size, swell = size_faded(law.periodic, law)
+        scale = (size + strength / law.unit + reach) * swell
+        worn = missed / (1.0 - law.fade**period) + ROUNDINGS * EPSILON * scale / (1.0 - law.fade)
+    size = law.coarse * (strength + law.unit * (1.0 + reach))  # of the terms of a torque, which may cancel
+    wrong = law.weight * worn + late + ROUNDINGS * EPSILON * size
+    if law.anchor >= 0 and anchored:
+        wrong += ROUNDINGS * EPSILON * size * period * period * (1.0 + pace)  # a sum since it began anew
+    return worn, wrong
+
+
 def certify_with_law(z, past, period, body, wall, law, space):
     """Try to prove an orbit of ``period`` samples from a trial at ``z`` whose readings seem to repeat.
 
@@ -146,95 +213,35 @@ def certify_with_law(z, past, period, body, wall, law, space):
     if not find_periodic_past(z, past, period, body, wall, law, space):
         return DIFFERENT, 0.0, 0.0, 0.0, 0.0
     copy_to(space.orbit, z)
-    gone = 1.0 - law.fade**period
-    margin, edge, reach, pace, guard, strength, anchored = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, True
-    closure, missed, late = 0.0, 0.0, 0.0
-    solved, best = True, float("inf")
-    for step in range(NEWTON_STEPS):
-        copy_to(law.beside, law.periodic)
-        margin, edge, reach, pace, guard, strength, anchored = turn_with_law(
-            law.beside, period, body, wall, law, space, n
-        )
-        if not same_count(law.beside, law.periodic, law):
-            return DIFFERENT, 0.0, 0.0, 0.0, 0.0
-        missed = faded(law.beside, law.periodic, law)
-        late = 0.0  # by which torques under way are not those of a period before
-        for j in range(law.line + law.parts, law.line + law.ages * law.parts):
-            late = max(late, abs(law.beside[j] - law.periodic[j]))
-        closure = 0.0
-        for i in range(n):
-            space.residual[i] = space.state[i] - space.orbit[i]
-            closure += space.residual[i] * space.residual[i]
-        closure = closure**0.5
-        solved = invert(space.matrix, space.cols, n, space.width)
-        if not solved or closure <= 4.0 * EPSILON * (reach + pace) or closure >= 0.5 * best or step == NEWTON_STEPS - 1:
-            break
-        best = min(best, closure)
-        for i in range(n):
-            for j in range(n):
-                space.orbit[i] += space.matrix[i * 2 * n + n + j] * space.residual[j]
-        settle_faded(law.beside, law.periodic, period, law)
-        copy_to(law.periodic, law.beside)
-    if not closure < 1e-6 * (reach + pace):
+    same, solved, closure, missed, late, turned = find_orbit_with_law(period, body, wall, law, space)
+    margin, edge, reach, pace, guard, strength, anchored = turned
+    if not same or not closure < 1e-6 * (reach + pace):
         return DIFFERENT, 0.0, 0.0, 0.0, 0.0
     if not solved:
         return NEUTRAL, margin, edge, closure, 0.0
     settled, spare = drift_of(guard, strength, pace, period, law) if not anchored else (True, -float("inf"))
     if anchored and not sums_agree(law.beside, law.periodic, spare, law):
         return DIFFERENT, 0.0, 0.0, 0.0, 0.0
-    # How wrong the number that fades may be, by its residual and by the rounding of each update; how wrong a torque.
-    worn = 0.0
-    if law.fading >= 0:
-        size, swell = size_faded(law.periodic, law)
-        scale = (size + strength / law.unit + reach) * swell
-        worn = missed / gone + ROUNDINGS * EPSILON * scale / (1.0 - law.fade)
-    size = law.coarse * (strength + law.unit * (1.0 + reach))  # of the terms of a torque, which may cancel
-    wrong = law.weight * worn + late + ROUNDINGS * EPSILON * size
-    if law.anchor >= 0 and anchored:
-        wrong += ROUNDINGS * EPSILON * size * period * period * (1.0 + pace)  # a sum since it began anew
+    worn, wrong = wrong_torque(missed, late, turned, period, law)
     # A torque that is wrong all along moves a speed by so much at most, by energy, and a position by that over a way.
     drift = wrong * period * (1.0 + sqrt(body.ratio))
     reached = reach_on(body.cogs, space.orbit[0], body)
     shift = drift * max(1.0, min(float(period), reached))
     rounding = 8.0 * EPSILON * period * law.pieces
-    for i in range(n):
-        total = 0.0
-        for j in range(n):
-            part = abs(space.residual[j])
-            slow = j % 2 == 1 and not (body.lag > 0.0 and j == n - 1)
-            part += rounding * 2.0 * pace + drift if slow else rounding * (reach + pace) + shift
-            total += abs(space.matrix[i * 2 * n + n + j]) * part
-        space.away[i] = total
+    far, spread = bound_error(rounding * (reach + pace) + shift, rounding * 2.0 * pace + drift, body, space, n)
     holds = hold_stiffness(body.cogs, space.orbit[0], body) > 0.0
     bound = space.away[0]
-    turn_finger(space.away, body)
-    far, spread = far_apart(body.cogs, space.away, space.orbit[0], body), norm(space.away, body)
-    turn_finger(space.away, body)
     if holds:  # at every sample; no end where nothing holds it
         bound = far + reached * wrong * period
-    scale = max(pace / (reach + pace), LEAST_SCALE) if pace > 0.0 else 1.0
-    if body.friction > 0.0:
-        root = cog_number(body.cogs, ROOT)
-        speed = spread + root * space.away[0] + wrong * period
-        short = space.away[n - 1] if body.lag > 0.0 else 0.0
-        most = 2.0 * ((stiffness(body) + root) * speed + short + wrong)
-        if not (space.marks[0] > most and space.marks[1] > speed):
-            return AT_EVENT, margin, edge, closure, bound
-    parts = False
-    if body.play > 0.0:
-        room = flank_room_on(body.cogs, space.marks[2], space.orbit[0], body)
-        parts = not room > bound
-        if not parts:
-            margin = min(margin, room)
-    if has_cogs(body.cogs):
-        parts = parts or not (holds and space.marks[3] > bound)
-        if not parts:
-            margin = min(margin, space.marks[3])
+    if body.friction > 0.0 and meets_event(spread, wrong, period, body, space):
+        return AT_EVENT, margin, edge, closure, bound
+    parts, margin = margin_of_parts(margin, bound, holds, body, space)
     if not margin > bound:
         return ON_EDGE, margin, edge, closure, bound
     law.room[0] = guard - worn if law.drifts < 0 else spare
     if law.guarded and not guard > worn:
         return AT_SWITCH, margin, edge, closure, bound
+    scale = scale_of(reach, pace)
     if not settled or not dissipates(space.cols, space.width, space.power, space.spare, n, scale, period):
         return (DIFFERENT if parts and settled else EXPANDS), margin, edge, closure, bound
     if parts:

@@ -18,7 +18,8 @@ from hknob_cli.engine.general.controller import count_gap, edge_gap, read, table
 from hknob_cli.engine.general.laws.cascade import same_count
 from hknob_cli.engine.general.laws.law import AT_SWITCH, BLOCK, PIECE, ROUNDINGS, SPAN, STOP, TORQUE, F, G, S
 from hknob_cli.engine.general.laws.step import decide
-from hknob_cli.engine.general.period_map import EXPANDS, LEAST_SCALE, NEWTON_STEPS
+from hknob_cli.engine.general.orbit_proof import EXPANDS, scale_of
+from hknob_cli.engine.general.period_map import NEWTON_STEPS
 from hknob_cli.engine.general.powers import bound_growth, dissipates, invert
 
 
@@ -249,7 +250,7 @@ def certify_sensed(z, past, period, body, wall, law, space):
             total += abs(space.matrix[i * 2 * m + m + j]) * (abs(space.residual[j]) + law.noise[m + j])
         space.away[i] = total
     bound = space.away[0]
-    scale = max(pace / (reach + pace), LEAST_SCALE) if pace > 0.0 else 1.0
+    scale = scale_of(reach, pace)
     if not dissipates(space.cols, width, space.power, space.spare, m, scale, period):
         return EXPANDS, margin, edge, closure, bound
     for i in range(m):
