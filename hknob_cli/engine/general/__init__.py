@@ -9,6 +9,7 @@
   the angle bends
 - `inner_region` rest that is never reached, `captured` by an orbit that is known, or back where it was
 - `parting` of nearby motions, where they do not repeat
+- `outlook`: how far trials are followed; `search`: what they come to
 - `every_clock` a bound for all clocks that jitter so much, by `clock_cells`
 - `laws/` the same loop under a controller
 

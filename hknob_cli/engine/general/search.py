@@ -1,7 +1,6 @@
 """What the trials of a cell settle to in the general loop; the counterpart of `engine.attractors.Engine`."""
 
 from collections.abc import Callable
-from math import inf
 from time import perf_counter
 from typing import Any
 
@@ -24,15 +23,15 @@ from hknob_cli.engine.attractors import (
     whole,
     why_unrepeated,
 )
-from hknob_cli.engine.budget import FINEST, TrialBudget, sample_limit, settling_samples, trial_scale
+from hknob_cli.engine.budget import TrialBudget
 from hknob_cli.engine.general import ensemble, parting, trace
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.captured import FIELDS
-from hknob_cli.engine.general.cogging import PEAK, cog_number
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, CYCLE_PARTS
 from hknob_cli.engine.general.jitter import TRIAL
 from hknob_cli.engine.general.laws.law import CYCLE_AT_SWITCH, CYCLE_NOT_AFFINE, REST_NOT_PROVEN
+from hknob_cli.engine.general.outlook import Outlook, make_outlook
 from hknob_cli.engine.general.period_map import Space
 from hknob_cli.engine.general.torque_range import torque_range
 from hknob_cli.engine.outcome import Outcome, Reason
@@ -48,9 +47,7 @@ GENERAL_FATES = {
 }
 AT_ONCE = 2**40  # phases, of which the first is half a trillionth of a sample after the start
 FIRST_SLICE = 8  # trials until the first chance to be interrupted
-MOST_SAMPLES = {2: 2**20, 3: 2**18}  # of a trial by default; more states take longer
 TRAIL = 8192  # readings of a candidate period that are kept to compare it with the next
-PASSED = 256  # turns of a torque over the angle, after which a knob that nothing holds is said to spin
 ROWS = 256  # distinct orbits a cell keeps
 FREELY = 10.0  # times that a sample of the general loop takes longer in the interpreter
 MOST_PIECES = 200_000  # of a period that is measured
@@ -119,6 +116,24 @@ def as_compiled(body: Body, wall: Controller) -> tuple[Body, Controller]:
     return body._replace(cogs=cogs), wall._replace(table=table, clock=clock, curve=curve)
 
 
+def _ends(trial: ensemble.TrialSpace, body: Body, delay_line: int, outlook: Outlook, why: Reason) -> list[Attractor]:
+    """What is in the table of ends; ``why``: reason of those that do not repeat."""
+    n, table = body.order, trial.table
+    races = body.cogs is not None and outlook.grew is Reason.GREW
+    return [
+        attractor_of(
+            table[FIELDS * row : FIELDS * (row + 1)],
+            [float(value) for value in trial.states[row * n : (row + 1) * n]],
+            [float(value) for value in trial.lines[row * delay_line : (row + 1) * delay_line]],
+            why,
+            Reason.RACES if races and abs(trial.states[row * n]) < outlook.far else outlook.grew,
+            parts=_why_parts(body),
+            keep=body.play > 0.0 or body.cogs is not None or why is Reason.JITTERS,
+        )
+        for row in range(int(trial.counts[0]))
+    ]
+
+
 class GeneralEngine(Runner):
     """The general loop, plain or compiled; one per thread."""
 
@@ -154,43 +169,21 @@ class GeneralEngine(Runner):
         are undecided, None: as long as it takes. Raises `NeedsCompilerError` in the interpreter, where the same
         search compiled would succeed, and `StoppedError` when told to stop.
         """
-        budget = max_samples or min(sample_limit(rate, body.damped), MOST_SAMPLES[min(body.order, 3)])
-        spring = body.beta if body.ratio == 0.0 else (1.0 / body.reach**2 if body.reach < inf else 0.0)
-        over = self.torques(wall)
-        scale = trial_scale(start[0], start[1], body.push, wall.kappa + over.spring, spring)
-        scale = max(scale, over.span)
-        if not scale < FINEST:
-            return Search(attractors=(whole(Outcome.UNDECIDED, Reason.TOO_FINE, phases),), samples=0)
-        loose = spring == 0.0 and body.ratio == 0.0
-        least = body.friction + cog_number(body.cogs, PEAK)  # that can hold the knob
-        if loose and (over.most + least < body.push or body.push + least < over.least):
-            return Search(attractors=(whole(Outcome.DIVERGED, Reason.LEAVES, phases),), samples=0)
-        spins = loose and over.turn > 0.0
-        far = scale + PASSED * over.turn + abs(start[1]) / body.alpha if spins and body.alpha > 0.0 else 1e6 * scale
-        skip = settling_samples(rate, budget)
+        outlook = make_outlook(body, wall, self.torques(wall), start, rate, max_samples)
+        if outlook.ends is not Reason.NONE:
+            outcome = Outcome.UNDECIDED if outlook.ends is Reason.TOO_FINE else Outcome.DIVERGED
+            return Search(attractors=(whole(outcome, outlook.ends, phases),), samples=0)
         patience = int(self.patience.samples / FREELY)
-        cut = not self.compiled and budget > patience
-        if cut and skip > patience:
+        cut = not self.compiled and outlook.budget > patience
+        if cut and outlook.skip > patience:
             raise NeedsCompilerError
-        n = body.order
         jittering = wall.clock is not None
         if jittering:
             wall = wall._replace(clock=wall.clock.copy())
         ready, wall = self._ready_for_loop(body, wall)
-        trial = ensemble.TrialSpace(
-            z=self.zeros(n),
-            ring=self.zeros(delay_line),
-            check=self.zeros(n),
-            check_ring=self.zeros(delay_line),
-            keep=self.zeros(n),
-            keep_ring=self.zeros(delay_line),
-            counts=self.zeros(1),
-            table=self.zeros(FIELDS * ROWS),
-            states=self.zeros(n * ROWS),
-            lines=self.zeros(delay_line * ROWS),
-            space=make_space(n, delay_line, self.zeros),
-        )
-        followed = TrialBudget(skip, min(budget, patience + skip) if cut else budget, not cut, far)
+        trial = self._room(body.order, delay_line)
+        most = min(outlook.budget, patience + outlook.skip) if cut else outlook.budget
+        followed = TrialBudget(outlook.skip, most, not cut, outlook.far)
         overflow = samples = 0
         first, slice_size = 0, FIRST_SLICE
         with Alarm(time_allowed(seconds, self.patience, compiled=self.compiled), ready.halt) as alarm:
@@ -209,31 +202,33 @@ class GeneralEngine(Runner):
                 # Compiled code does not hear an interruption. The result does not depend on the slices.
                 spent, first = perf_counter() - begin, stop
                 slice_size = max(1, min(4 * slice_size, int(slice_size * PAUSE_S / max(spent, 1e-6))))
-        rows, table = int(trial.counts[0]), trial.table
-        fates = [int(table[FIELDS * row]) for row in range(rows)]
+        fates = [int(trial.table[FIELDS * row]) for row in range(int(trial.counts[0]))]
         if cut and any(fate in (follow.UNSETTLED, follow.UNDAMPED) for fate in fates):
             raise NeedsCompilerError
-        why = Reason.JITTERS if jittering else why_unrepeated(rate, budget, held=spring > 0.0)
-        grew = Reason.SPINS if far < 1e6 * scale else Reason.GREW
-        races = body.cogs is not None and grew is Reason.GREW
-        found = [
-            attractor_of(
-                table[FIELDS * row : FIELDS * (row + 1)],
-                [float(value) for value in trial.states[row * n : (row + 1) * n]],
-                [float(value) for value in trial.lines[row * delay_line : (row + 1) * delay_line]],
-                why,
-                Reason.RACES if races and abs(trial.states[row * n]) < far else grew,
-                parts=_why_parts(body),
-                keep=body.play > 0.0 or body.cogs is not None or jittering,
-            )
-            for row in range(rows)
-        ]
+        why = Reason.JITTERS if jittering else why_unrepeated(rate, outlook.budget, held=outlook.held)
+        found = _ends(trial, body, delay_line, outlook, why)
         if overflow:
             found.append(whole(Outcome.UNDECIDED, Reason.TOO_MANY, overflow))
         left = phases - overflow - sum(one.trials for one in found if one.reason is not Reason.TOO_MANY)
         if left:
             found.append(unfinished(left, seconds, self.patience, compiled=self.compiled))
         return Search(attractors=ranked(found), samples=samples)
+
+    def _room(self, order: int, delay_line: int) -> ensemble.TrialSpace:
+        """Work space of a trial, and an empty table of ends."""
+        return ensemble.TrialSpace(
+            z=self.zeros(order),
+            ring=self.zeros(delay_line),
+            check=self.zeros(order),
+            check_ring=self.zeros(delay_line),
+            keep=self.zeros(order),
+            keep_ring=self.zeros(delay_line),
+            counts=self.zeros(1),
+            table=self.zeros(FIELDS * ROWS),
+            states=self.zeros(order * ROWS),
+            lines=self.zeros(delay_line * ROWS),
+            space=make_space(order, delay_line, self.zeros),
+        )
 
     def parting_rate(self, body: Body, wall: Controller, end: Attractor, samples: int) -> float:
         """How fast motions near the end of a trial part, per sample: see `engine.general.parting`."""

@@ -7,7 +7,7 @@ from hknob_cli.engine.budget import FINEST, sample_limit, settling_samples, tria
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.laws.law import Law
-from hknob_cli.engine.general.search import MOST_SAMPLES
+from hknob_cli.engine.general.outlook import MOST_SAMPLES
 from hknob_cli.engine.general.torque_range import torque_range
 
 LONGEST = {2: 1_000_000_000, 3: 100_000_000}  # samples that a cell may take: some minutes; 3: of more states, too
