@@ -38,6 +38,7 @@ def test_no_stiffness_is_a_free_knob() -> None:
     assert states[200] == pytest.approx([0.025 + 0.05, 5.0], rel=1e-13)
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("lag", [0.0, LAG])
 @pytest.mark.parametrize("order", ["second", "fourth"])
 @pytest.mark.parametrize(("number", "grip"), [(1, 0.71), (1, 4.3), (1, 14.2), (2, 0.71), (3, 2.4), (5, 14.2)])

@@ -36,6 +36,7 @@ def test_errors_fall_with_the_order(method: str, parts: dict) -> None:
     assert log2(errors[0] / errors[1]) / 2.0 == pytest.approx(ORDER[method], abs=0.15)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("method", METHODS)
 def test_friction_holds_and_stops(method: str) -> None:
     knob = Knob(INERTIA, 0.0, 2e-3)

@@ -31,7 +31,7 @@ def test_every_law_of_the_wire_is_tested() -> None:
     assert {made(name).law for name in NAMES} == set(Law)
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize("name", NAMES)
 def test_torques_are_those_of_the_engine_to_the_last_bit(name: str) -> None:
     settings = told(name, wall_damping=1e-6)

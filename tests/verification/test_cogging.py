@@ -71,6 +71,7 @@ def knob_of(parts: dict[str, Any], rate: float = 1000.0, counts: int = 1024) -> 
     return sample_general(reduced(SceneSpec.model_validate(parts).plain()), sample_rate_hz=rate, counts_per_rev=counts)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", CASES)
 def test_every_sample_at_60_digits(name: str) -> None:
     """Compiled, too, to the last bit."""

@@ -88,7 +88,7 @@ def random_case(chance: random.Random) -> tuple[Body, Controller, list[float], f
             return body, wall, [x, v, -kappa * level * chance.choice([0.0, 1.0, chance.random()])], level
 
 
-@pytest.mark.parametrize("count", [12, pytest.param(120, marks=pytest.mark.long)])
+@pytest.mark.parametrize("count", [6, pytest.param(120, marks=pytest.mark.long)])
 def test_a_state_is_moved_to_within_the_bound(count: int) -> None:
     """A set of one state: all that is left is rounding, of its torque, too."""
     chance, worst, stopped = random.Random(count), mp.mpf(0), 0
