@@ -16,7 +16,7 @@ from hknob_cli.specs.load import validate
 from hknob_cli.specs.plan import SweepPlan, scene_at
 from hknob_cli.specs.source import Source
 from hknob_cli.stages.sweep.run import SweepStage
-from tests.specs.test_capabilities import BASE, CHANGES, KINDS, swept
+from tests.specs.small_cells import BASE, CHANGES, KINDS, swept
 
 COGGING = {"scene": {"cogging": {"torque": 1e-3, "per_revolution": 84, "centre": 0.0374}}}
 

@@ -8,7 +8,7 @@ from hknob_cli.errors import SpecError
 from hknob_cli.report.scene_words import scene_sentences
 from hknob_cli.specs.plan import SweepPlan
 from hknob_cli.stages.sweep.run import SweepStage
-from tests.specs.test_capabilities import CHANGES, KINDS, swept
+from tests.specs.small_cells import CHANGES, KINDS, swept
 
 JITTER = {"scene": {"clock": {"jitter": 0.05}}}
 
