@@ -2,5 +2,6 @@
 
 - `run` evaluates designs in the order of cost, and chooses the cheapest good one (of several, the least felt)
 - `space` what can be chosen
-- `evaluate` all people at once, `people` what they notice, and how sure an answer is
+- `evaluate` all people at once, `people` what they notice
+- `ranking` of what was evaluated, and how sure an answer is
 """

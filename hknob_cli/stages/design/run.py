@@ -17,7 +17,8 @@ from hknob_cli.specs.design_plan import DesignPlan
 from hknob_cli.spread.cores import usable_cores
 from hknob_cli.spread.forks import Forks
 from hknob_cli.stages.design.evaluate import Evaluator, Rows, evaluate_one
-from hknob_cli.stages.design.people import Judged, answer_if, judge, rank, redrawn
+from hknob_cli.stages.design.people import Judged, judge
+from hknob_cli.stages.design.ranking import answer_if, rank, redrawn
 from hknob_cli.stages.design.space import Design, designs, present, relaxed, surface
 from hknob_cli.stages.lag_domain import has_domain
 from hknob_cli.stages.sweep.engines import Engines

@@ -1,4 +1,4 @@
-"""How sure the answer of a search is: what other levels, thresholds and people would have made of it."""
+"""Tests of `stages.design.ranking`: what other levels, thresholds and people would have made of an answer."""
 
 from math import inf
 from typing import Any
@@ -7,7 +7,8 @@ import pytest
 
 from hknob_cli.perception.published import Doubt, doubts, other_sets
 from hknob_cli.specs.design_plan import Limit
-from hknob_cli.stages.design.people import Judged, answer_if, judge, meets, redrawn
+from hknob_cli.stages.design.people import Judged, judge
+from hknob_cli.stages.design.ranking import answer_if, meets, redrawn
 from hknob_cli.stages.design.run import DesignStage
 from hknob_cli.stages.design.space import Design
 from hknob_cli.stages.sweep.engines import Engines
