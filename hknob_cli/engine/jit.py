@@ -70,7 +70,8 @@ LAWS = (
 )
 SETS = (
     *MOTION,
-    *(f"sets.{name}" for name in ("known", "ball", "arc_cut", "arc", "polygon", "region", "lattice", "box")),
+    *(f"sets.{name}" for name in ("centre", "known", "ball", "arc_cut", "arc")),
+    *(f"sets.{name}" for name in ("polygon", "region", "lattice", "box")),
     *ORBIT,
     "budget",
     "cells",
@@ -79,7 +80,7 @@ SETS = (
 # As in "cells", but every clock phase instead of sampled ones.
 ARC_CELLS = (
     *MOTION,
-    *(f"sets.{name}" for name in ("known", "ball", "arc_cut", "arc")),
+    *(f"sets.{name}" for name in ("centre", "known", "ball", "arc_cut", "arc")),
     "budget",
     *ORBIT,
     "cells",

@@ -21,6 +21,7 @@ from hknob_cli.engine.sets.ball import (
     follow_ball,
     step_through,
 )
+from hknob_cli.engine.sets.centre import Trial
 from hknob_cli.engine.sets.known import add_end
 
 # Numbers of an arc that waits: low and high phase, sample, x, v, error, level, run, next test, radius, samples in no
@@ -105,9 +106,9 @@ def follow_arcs(angle, velocity, delay, budget, limit, most, final, room, known,
         fate = OPEN
         while fate == OPEN:
             samples = max(0, min(wait - since, budget - n, most - taken))
-            event, row, x, v, error, level, run, next_test, head, used = follow_ball(
-                x, v, radius, error, level, run, next_test, ring, head, samples, limit, False, known, loop
-            )
+            trial = Trial(x, v, error, level, run, next_test, head)
+            event, row, trial, used = follow_ball(trial, radius, ring, samples, limit, False, known, loop)
+            x, v, error, level, run, next_test, head = trial
             n += used
             since += used
             taken += used

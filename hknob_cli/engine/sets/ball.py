@@ -8,6 +8,7 @@ from math import sqrt
 
 from hknob_cli.engine.certificate import step_error
 from hknob_cli.engine.loop import drive_of, interval, level_of, lower_edge, push, upper_edge
+from hknob_cli.engine.sets.centre import Trial
 from hknob_cli.engine.sets.known import captor, resting
 
 MEETS_EDGE = 0  # the ball may lie on both sides of an edge that changes the torque: look at what it bounds
@@ -19,27 +20,22 @@ STEPS_DEEPER = 4
 FIRST_REST_TEST = 8
 
 
-def follow_ball(x, v, radius, error, level, run, next_test, ring, head, samples, limit, small, known, loop):
-    """Follow the ball around ``(x, v)`` for at most ``samples`` samples.
+def follow_ball(trial, radius, ring, samples, limit, small, known, loop):
+    """Follow the ball around a trial for at most ``samples`` samples.
 
     Args:
-        x: Position of its centre, counts.
-        v: Velocity of its centre, counts per sample.
+        trial: Its centre, `centre.Trial`.
         radius: Bound on the distance of its states from the centre, in the norm of `certificate.distance`.
-        error: Bound on the rounding error of the centre, in the same norm.
-        level: That acted at the sample before.
-        run: Samples that it has acted.
-        next_test: Samples after which rest is tried.
         ring: The delay line; changed in place.
-        head: Its oldest entry.
         samples: That may pass.
         limit: Position past which motions have diverged.
         small: Whether to return where the wall steps deeper.
         known: The attractors, `sets.room.Known`.
         loop: The cell.
 
-    Returns ``(event, row, x, v, error, level, run, next_test, head, used)``; ``row`` of the attractor where captured.
+    Returns ``(event, row, trial, used)``; ``row`` of the attractor where captured.
     """
+    x, v, error, level, run, next_test, head = trial
     delay = len(ring)
     weight = 1.0 / sqrt(loop.beta)
     older, newer = 0.0, drive_of(level, loop)
@@ -50,23 +46,23 @@ def follow_ball(x, v, radius, error, level, run, next_test, ring, head, samples,
         if not low < x - reach or not x + reach < high:  # else the level is the one before, which costs less to see
             level = level_of(x, loop.sense)
             if level_of(x - reach, loop.sense) != level or level_of(x + reach, loop.sense) != level:
-                return MEETS_EDGE, -1, x, v, error, before, run, next_test, head, i
+                return MEETS_EDGE, -1, Trial(x, v, error, before, run, next_test, head), i
             low, high = lower_edge(level, loop.sense), upper_edge(level, loop.sense)
         if not -limit < x < limit:
-            return GREW, -1, x, v, error, level, run, next_test, head, i
+            return GREW, -1, Trial(x, v, error, level, run, next_test, head), i
         if level < before:
             row = captor(x, v, reach, ring, head, known, loop)
             if row >= 0:
-                return CAPTURED, row, x, v, error, level, run, next_test, head, i
+                return CAPTURED, row, Trial(x, v, error, level, run, next_test, head), i
             if small and i > 0:
-                return STEPS_DEEPER, -1, x, v, error, before, run, next_test, head, i
+                return STEPS_DEEPER, -1, Trial(x, v, error, before, run, next_test, head), i
         if level == before:
             run += 1
             if run >= next_test:
                 next_test = 2 * run
                 row = resting(x, v, reach, level, ring, head, known, loop)
                 if row >= 0:
-                    return CAPTURED, row, x, v, error, level, run, next_test, head, i
+                    return CAPTURED, row, Trial(x, v, error, level, run, next_test, head), i
         else:
             run, next_test = 0, FIRST_REST_TEST
         if delay > 0:
@@ -77,7 +73,7 @@ def follow_ball(x, v, radius, error, level, run, next_test, ring, head, samples,
         x, v = interval(x, v, older, newer, loop)
         if delay > 0:
             head = (head + 1) % delay
-    return OUT_OF_SAMPLES, -1, x, v, error, level, run, next_test, head, samples
+    return OUT_OF_SAMPLES, -1, Trial(x, v, error, level, run, next_test, head), samples
 
 
 def step_through(x, v, error, level, ring, head, loop):

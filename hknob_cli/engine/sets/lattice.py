@@ -22,8 +22,9 @@ def slot(i, j, room):
     return at
 
 
-def keep(room, x, v, error, level, sample, weight, corners, count, width, loop):
+def keep(room, centre, corners, count, width, loop):
     """Enter a small polygon into the lattice whose cells are ``width`` wide; whether there was room."""
+    x, v, error = centre.x, centre.v, centre.error
     scale = sqrt(loop.beta)
     i, j = x / width // 1.0, v / (scale * width) // 1.0
     at = slot(i, j, room)
@@ -37,10 +38,11 @@ def keep(room, x, v, error, level, sample, weight, corners, count, width, loop):
         room.cells[CELL * at + MEMBERS] = 0.0
         room.cells[CELL * at + LOW_X], room.cells[CELL * at + HIGH_X] = float("inf"), -float("inf")
         room.cells[CELL * at + LOW_V], room.cells[CELL * at + HIGH_V] = float("inf"), -float("inf")
-        put(room.singles, POLYGON * at, x, v, error, level, sample, 0.0, corners, count)
+        put(room.singles, POLYGON * at, centre, corners, count)
+        room.singles[POLYGON * at + WEIGHT] = 0.0
     base = CELL * at
     room.cells[base + MEMBERS] += 1.0
-    room.singles[POLYGON * at + WEIGHT] += weight
+    room.singles[POLYGON * at + WEIGHT] += centre.weight
     slack = error + 4.0 * EPSILON * abs(x)
     slack_v = scale * error + 4.0 * EPSILON * abs(v)
     for k in range(count):

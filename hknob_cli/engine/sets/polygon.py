@@ -10,6 +10,7 @@ from hknob_cli.engine.certificate import EPSILON, distance
 from hknob_cli.engine.loop import lower_edge, upper_edge
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.engine.sets.ball import step_through
+from hknob_cli.engine.sets.centre import Centre
 
 CORNERS = 16  # that a polygon keeps; one with more is halved, for a simpler one around it might never shrink
 X, V, ERROR, LEVEL, SAMPLE, WEIGHT, COUNT = range(7)  # numbers of a polygon; its corners follow, relative to x and v
@@ -77,44 +78,47 @@ def put_box(out, at, low_x, high_x, low_v, high_v):
     out[at + 6], out[at + 7] = low_x, high_v
 
 
-def put(out, base, x, v, error, level, sample, weight, corners, count):
-    """Enter a polygon, told from the middle of the rectangle around it, to ``out[base:]``."""
+def put(out, base, centre, corners, count):
+    """Enter a polygon, told from the middle of the rectangle around it, to ``out[base:]``; ``centre``: as it was."""
     low_x, high_x, low_v, high_v = corners[0], corners[0], corners[1], corners[1]
     for k in range(1, count):
         low_x, high_x = min(low_x, corners[2 * k]), max(high_x, corners[2 * k])
         low_v, high_v = min(low_v, corners[2 * k + 1]), max(high_v, corners[2 * k + 1])
     cx, cv = 0.5 * (low_x + high_x), 0.5 * (low_v + high_v)
-    out[base + X], out[base + V], out[base + ERROR] = x + cx, v + cv, error
-    out[base + LEVEL], out[base + SAMPLE], out[base + WEIGHT] = level, sample, weight
+    out[base + X], out[base + V], out[base + ERROR] = centre.x + cx, centre.v + cv, centre.error
+    out[base + LEVEL], out[base + SAMPLE], out[base + WEIGHT] = centre.level, centre.sample, centre.weight
     for k in range(count):
         out[base + 7 + 2 * k], out[base + 8 + 2 * k] = corners[2 * k] - cx, corners[2 * k + 1] - cv
     out[base + COUNT] = float(count)
 
 
-def put_next(room, waiting, x, v, error, level, sample, weight, corners, count, loop):
-    """Enter a polygon among those that wait, one sample on, as ``level``."""
+def put_next(room, waiting, centre, corners, count, loop):
+    """Enter a polygon among those that wait, one sample on, as its level."""
     base = waiting * POLYGON
-    put(room.stack, base, x, v, error, level, sample + 1.0, weight, corners, count)
+    put(room.stack, base, centre, corners, count)
+    room.stack[base + SAMPLE] = centre.sample + 1.0
     for k in range(2 * count):
         room.moved[k] = room.stack[base + 7 + k]
     x, v, error, _ = step_through(
-        room.stack[base + X], room.stack[base + V], room.stack[base + ERROR], level, room.ring, 0, loop
+        room.stack[base + X], room.stack[base + V], room.stack[base + ERROR], centre.level, room.ring, 0, loop
     )
     room.stack[base + X], room.stack[base + V], room.stack[base + ERROR] = x, v, error
     move_corners(room.moved, 0, count, 1, room.stack, base + 7, loop)
 
 
-def part(room, waiting, x, v, reach, sample, weight, corners, count, low_level, high_level, loop):
+def part(room, waiting, centre, corners, count, low_level, high_level, loop):
     """Cut a polygon at the edges that change the torque; how many polygons wait then, -1 where there is no room.
 
-    Each part takes in what lies within ``reach`` of its edges, so that whatever a state's true level is, a part with
+    Each part takes in what lies within its error of its edges, so that whatever a state's true level is, a part with
     it holds the state; each is taken one sample on, as its level. Parts with too many corners are halved, too.
     """
+    x, reach = centre.x, centre.error
     if waiting + 2 * (int(high_level - low_level) + 1) > len(room.stack) // POLYGON:
         return -1
     half = len(room.parts) // 2
     q = low_level
     while q <= high_level:
+        acts = Centre(x, centre.v, reach, q, centre.sample, centre.weight)
         kept = clip(corners, count, lower_edge(q, loop.sense) - reach - x, 1.0, room.parts, 0)
         highest = upper_edge(q, loop.sense)
         first = 0
@@ -126,14 +130,14 @@ def part(room, waiting, x, v, reach, sample, weight, corners, count, low_level, 
         if kept > CORNERS:
             # In two, by the line from the first corner to the one opposite.
             opposite = kept // 2
-            put_next(room, waiting, x, v, reach, q, sample, weight, room.halves, opposite + 1, loop)
+            put_next(room, waiting, acts, room.halves, opposite + 1, loop)
             for k in range(2 * (kept - opposite)):
                 room.parts[k] = room.halves[2 * opposite + k]
             room.parts[2 * (kept - opposite)], room.parts[2 * (kept - opposite) + 1] = room.halves[0], room.halves[1]
-            put_next(room, waiting + 1, x, v, reach, q, sample, weight, room.parts, kept - opposite + 1, loop)
+            put_next(room, waiting + 1, acts, room.parts, kept - opposite + 1, loop)
             waiting += 2
         elif kept > 0:
-            put_next(room, waiting, x, v, reach, q, sample, weight, room.halves, kept, loop)
+            put_next(room, waiting, acts, room.halves, kept, loop)
             waiting += 1
         q += 1.0
     return waiting

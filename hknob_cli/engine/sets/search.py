@@ -31,6 +31,7 @@ from hknob_cli.engine.sets import arc, box, cells, lattice, region
 from hknob_cli.engine.sets import known as known_ends
 from hknob_cli.engine.sets.absorbing import RegionFinder, pushes, states_in
 from hknob_cli.engine.sets.cells import first_patience
+from hknob_cli.engine.sets.centre import Scope
 from hknob_cli.engine.sets.polygon import POLYGON, WEIGHT
 from hknob_cli.engine.sets.room import make_arc_room, make_known, make_polygon_room, make_region_room
 
@@ -166,14 +167,15 @@ class SetEngine(Runner):
             return Search((whole(*FATES[fate], 1.0),), 0, complete=False, undecided=1.0)
         if self._polygons is None:
             self._polygons = make_polygon_room(self.zeros)
-        room, known, patience = self._polygons, make_known(self.zeros, 0), first_patience(skip)
+        room, known = self._polygons, make_known(self.zeros, 0)
+        single, together = Scope(skip, most, limit), Scope(first_patience(skip), most, limit)
         sample, ends = self._of(box, "sample_box"), self.zeros(SAMPLED)
         taken, unproven, followed, chunk = 0, 0, 0, max(1, SLICE // max(skip, 1))
         while followed < SAMPLED and monotonic() < until:
             if self.stopped():
                 raise StoppedError
             stop = min(followed + chunk, SAMPLED)
-            used, lost = sample(starts, followed, stop, skip, most, limit, room.ring, ends, known, loop)
+            used, lost = sample(starts, followed, stop, single, room.ring, ends, known, loop)
             taken, unproven, followed = taken + used, unproven + lost, stop
         if followed < SAMPLED:
             return self._boxed(known, int(taken), 0, 1.0, unproven, Reason.TIME_LIMIT, SAMPLED - followed)
@@ -186,7 +188,7 @@ class SetEngine(Runner):
             while waiting:
                 if self.stopped():
                     raise StoppedError
-                waiting, ended, lost, used = follow(room, waiting, width, patience, most, limit, SLICE, known, loop)
+                waiting, ended, lost, used = follow(room, waiting, width, SLICE, together, known, loop)
                 pieces, undecided, taken = pieces + ended, undecided + lost, taken + used
                 if taken > LONGEST or monotonic() > until:
                     why = Reason.WORK_LIMIT if taken > LONGEST else Reason.TIME_LIMIT
@@ -196,7 +198,7 @@ class SetEngine(Runner):
             waiting = int(release(room, 0, loop))
             width *= 0.5
             if generation + 1 < GENERATIONS:
-                taken += seek_some(room, waiting, SEEN, skip, most, limit, known, loop)
+                taken += seek_some(room, waiting, SEEN, single, known, loop)
         left = sum(room.stack[k * POLYGON + WEIGHT] for k in range(waiting))
         why = Reason.WORK_LIMIT if left > undecided else Reason.NONE
         return self._boxed(known, int(taken), pieces, min(1.0, undecided + left), unproven, why)
@@ -210,7 +212,7 @@ class SetEngine(Runner):
         """
         far = np.abs(starts).max(axis=0)
         _, most, skip, limit = prospect(float(far[0]), float(far[1]), max_samples or 0, loop)
-        known, none = make_known(self.zeros, 0), self.zeros(0)
+        known, none, scope = make_known(self.zeros, 0), self.zeros(0), Scope(skip, most, limit)
         add, sample = self._of(known_ends, "add_end"), self._of(box, "sample_box")
         numbers = []
         for one in attractors:
@@ -220,7 +222,7 @@ class SetEngine(Runner):
         for first in range(0, len(starts), MAPPED):
             if self.stopped():
                 raise StoppedError
-            sample(flat, first, min(first + MAPPED, len(starts)), skip, most, limit, none, ends, known, loop)
+            sample(flat, first, min(first + MAPPED, len(starts)), scope, none, ends, known, loop)
         found = np.full(len(starts), -1)
         for number, row in enumerate(numbers):
             if row >= 0:

@@ -16,6 +16,7 @@ from hknob_cli.engine.sets import arc
 from hknob_cli.engine.sets.arc import ARC, COVERED, DONE, PATIENCE, PROGRESS, SHORTEST, SPENT, TAKEN, UNDECIDED, WHOLE
 from hknob_cli.engine.sets.arc_cut import arc_speed, free_motion
 from hknob_cli.engine.sets.ball import CAPTURED, FIRST_REST_TEST, GREW, MEETS_EDGE, OUT_OF_SAMPLES
+from hknob_cli.engine.sets.centre import Trial
 from hknob_cli.engine.sets.room import ArcRoom
 from tests.engine.sets.loops import known, zeros
 
@@ -26,12 +27,12 @@ LOOP = make_loop(0.3, 0.25, 0.5, 0.375, 1.0, 0.0, 0.0)  # at rest at -1.5
 REST, ANGLE, VELOCITY = -1.5, 2.0, 0.25
 BUDGET, LONG = 1000, 10**9
 BALL = ("x", "v", "radius", "error", "level", "run", "next_test", "ring", "head", "samples", "limit", "small")
-Answer = tuple[Any, ...]  # of `follow_ball`: event, row, x, v, error, level, run, next test, head, used
+Answer = tuple[Any, ...]  # of `follow_ball`: event, row, trial, used
 
 
 def says(event: int, used: int, row: int = -1, x: float = 5.0, **more: float) -> Answer:
     one = {"v": 0.5, "error": 0.0, "level": -2.0, "run": 3, "next_test": 16, "head": 0} | more
-    return (event, row, x, *(one[k] for k in ("v", "error", "level", "run", "next_test", "head")), used)
+    return event, row, Trial(x, *(one[k] for k in ("v", "error", "level", "run", "next_test", "head"))), used
 
 
 class Search:
@@ -59,10 +60,12 @@ class Search:
             self.room.stack[:2] = more["span"]
 
     def follow_ball(self, *given: Any) -> Answer:
-        self.seen.append(dict(zip(BALL, given, strict=False)) | {"ring": list(given[7])})
+        trial, radius, ring, samples, limit, small, *_ = given
+        told = {"radius": radius, "ring": list(ring), "samples": samples, "limit": limit, "small": small}
+        self.seen.append(trial._asdict() | told)
         assert self.seen[-1]["small"] is False
         if self.delay:
-            given[7][:] = [10.0 * len(self.seen) + k for k in range(self.delay)]
+            ring[:] = [10.0 * len(self.seen) + k for k in range(self.delay)]
         return self.balls.pop(0)
 
     def cut(self, *given: Any) -> int:

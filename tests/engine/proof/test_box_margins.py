@@ -25,6 +25,7 @@ from hknob_cli.engine.sets.box import (
     seek,
     seek_some,
 )
+from hknob_cli.engine.sets.centre import Scope
 from hknob_cli.engine.sets.known import add_end
 from hknob_cli.engine.sets.polygon import COUNT, ERROR, LEVEL, POLYGON, SAMPLE, WEIGHT, V, X
 from hknob_cli.engine.sets.room import Known, PolygonRoom, make_known
@@ -65,7 +66,7 @@ def named(one: Orbit) -> str:
 def test_a_known_orbit_captures_a_state_on_it_at_once(one: Orbit) -> None:
     known = room_for()
     assert add_end(CYCLE_PROVEN, one.n, one.x, one.v, [], 0, known, one.loop) == 0
-    row, used = seek(one.x, one.v, 100_000, 100_000, 1e9, [], known, one.loop)
+    row, used = seek(one.x, one.v, Scope(100_000, 100_000, 1e9), [], known, one.loop)
     assert row == 0
     assert used <= one.n
     assert known.counts[0] == 1.0
@@ -75,25 +76,25 @@ def test_a_known_orbit_captures_a_state_on_it_at_once(one: Orbit) -> None:
 
 def test_a_state_in_its_count_rests_after_eight_samples() -> None:
     known = room_for()
-    assert seek(0.7, 0.0, 100, 100, 1e9, [], known, RESTS) == (0, 7)
+    assert seek(0.7, 0.0, Scope(100, 100, 1e9), [], known, RESTS) == (0, 7)
     assert row_of(known, 0)[:2] == [REST_PROVEN, 1.0]
     known = room_for()
-    assert seek(0.7, 0.0, 0, 100, 1e9, [], known, RESTS) == (0, 7)
+    assert seek(0.7, 0.0, Scope(0, 100, 1e9), [], known, RESTS) == (0, 7)
     for patience in (0, 3, 100):  # its last look at how it stands
-        assert seek(0.7, 0.0, patience, 5, 1e9, [], room_for(), RESTS) == (0, 5)
+        assert seek(0.7, 0.0, Scope(patience, 5, 1e9), [], room_for(), RESTS) == (0, 5)
 
 
 @pytest.mark.parametrize("one", ORBITS, ids=named)
 def test_an_unknown_orbit_is_found_after_the_patience(one: Orbit) -> None:
     for patience in (0, 3, 2 * one.n):
         known = room_for()
-        row, used = seek(one.x + 0.3, one.v, patience, 100_000, 1e9, [], known, one.loop)
+        row, used = seek(one.x + 0.3, one.v, Scope(patience, 100_000, 1e9), [], known, one.loop)
         fate, _, _, _, _, steps = follow(*moved(one.loop, one.x + 0.3, one.v, patience), [], 0, 90_000, 1e9, one.loop)
         assert fate == CYCLE_PROVEN
         assert (row, used) == (0, patience + steps)
         table, again = row_of(known, 0), room_for()
         assert table[0] == CYCLE_PROVEN
-        assert seek(table[2], table[3], patience, 100_000, 1e9, [], again, one.loop)[0] == 0
+        assert seek(table[2], table[3], Scope(patience, 100_000, 1e9), [], again, one.loop)[0] == 0
 
 
 @pytest.mark.parametrize("one", ORBITS, ids=named)
@@ -101,7 +102,7 @@ def test_the_samples_of_a_state_are_limited(one: Orbit) -> None:
     """Without an end it is in no row."""
     for patience, budget in ((3, 5), (7, 5), (0, 1), (5, 5), (4, 0)):
         known = room_for()
-        assert seek(one.x + 0.3, one.v, patience, budget, 1e9, [], known, one.loop) == (-1, budget)
+        assert seek(one.x + 0.3, one.v, Scope(patience, budget, 1e9), [], known, one.loop) == (-1, budget)
         assert known.counts[0] == 0.0
 
 
@@ -113,14 +114,14 @@ def test_a_state_that_grows_ends_there_whenever_it_is_seen() -> None:
             grown += 1
     for patience in (0, grown - 1, grown + 1, 100_000):
         known = room_for()
-        assert seek(3.0, 0.0, patience, 100_000, 1000.0, [], known, GROWS) == (0, grown)
+        assert seek(3.0, 0.0, Scope(patience, 100_000, 1000.0), [], known, GROWS) == (0, grown)
         assert row_of(known, 0)[:2] == [GREW, 0.0]
 
 
 def test_what_is_not_proven_has_no_row_for_the_state() -> None:
     """A rest at an edge and an orbit that touches one are entered; the states that come to them are not proven to."""
     known = room_for()
-    assert seek(-0.5, 0.0, 10, 100, 1e9, [], known, CREEPS) == (-1, 100)
+    assert seek(-0.5, 0.0, Scope(10, 100, 1e9), [], known, CREEPS) == (-1, 100)
     assert row_of(known, 0)[:2] == [REST_EDGE, 1.0]
     one = ORBITS[0]
     _, _, _, margin, _, _, bound = certify(one.x, one.v, [], 0, one.n, one.loop)
@@ -131,7 +132,7 @@ def test_what_is_not_proven_has_no_row_for_the_state() -> None:
         if certify(one.x + shift, one.v, [], 0, one.n, loop)[0] == ON_EDGE:
             break
     known = room_for()
-    assert seek(one.x + shift, one.v, 0, 10 * one.n, 1e9, [], known, loop) == (-1, 10 * one.n)
+    assert seek(one.x + shift, one.v, Scope(0, 10 * one.n, 1e9), [], known, loop) == (-1, 10 * one.n)
     assert row_of(known, 0)[0] == CYCLE_ON_EDGE
 
 
@@ -139,7 +140,7 @@ def test_states_are_counted_where_they_end() -> None:
     """The second to the fifth of six: at rest, growing out of the limit, without an end, at rest."""
     known, ends = room_for(), [7.0] * 6
     starts = [9.0, 9.0, 0.7, 0.0, 300.0, 0.0, 0.7, 40.0, 0.6, 0.1, 9.0, 9.0]
-    taken, unproven = sample_box(starts, 1, 5, 0, 9, 100.0, [], ends, known, RESTS)
+    taken, unproven = sample_box(starts, 1, 5, Scope(0, 9, 100.0), [], ends, known, RESTS)
     assert ends == [7.0, 0, 1, -1, 0, 7.0]
     assert (taken, unproven) == (7 + 0 + 9 + 7, 1)
     assert [row_of(known, row)[8] for row in range(3)] == [2.0, 1.0, 0.0]
@@ -229,7 +230,7 @@ def go(
     budget: int = 10_000,
     limit: float = 1e9,
 ) -> tuple:
-    return follow_polygon(room, 3, width, patience, budget, limit, known, loop)
+    return follow_polygon(room, 3, width, Scope(patience, budget, limit), known, loop)
 
 
 def blurred(loop: Loop) -> float:
@@ -609,9 +610,9 @@ def test_generations_count_what_ended_and_what_is_not_proven() -> None:
         for base, sample, weight in ((0, 39.0, 0.25), (1, 39.0, 0.5), (2, 0.0, 0.125)):
             wait_as(room, 0.6, 0.0, round_of(RESTS, 1e-9), 0.0, 0.0, sample, weight)
             room.stack[base * POLYGON : base * POLYGON + POLYGON] = waiting(room, 2)
-        assert follow_generation(room, 3, 0.0, 64, 40, 1e9, samples, room_for(), RESTS) == expected
+        assert follow_generation(room, 3, 0.0, samples, Scope(64, 40, 1e9), room_for(), RESTS) == expected
     wait_as(room, 0.0, 0.0, round_of(KNOB, 0.1), 0.0, 0.0, 0.0, 0.5)
-    assert follow_generation(room, 3, 0.0, 64, 40, 1e9, 1, room_for(), KNOB) == (4, 0, 0.0, 2)
+    assert follow_generation(room, 3, 0.0, 1, Scope(64, 40, 1e9), room_for(), KNOB) == (4, 0, 0.0, 2)
 
 
 def test_some_of_those_that_wait_are_looked_at_evenly_spread() -> None:
@@ -623,5 +624,5 @@ def test_some_of_those_that_wait_are_looked_at_evenly_spread() -> None:
         room.stack[base * POLYGON : base * POLYGON + POLYGON] = waiting(room, 2)
     wait_as(room, 3500.0, 0.0, round_of(wide, 1.0))
     for some, taken in ((0, 0), (1, 7), (2, 7 + 31), (3, 7 + 15 + 15), (5, 83), (9, 83)):
-        assert seek_some(room, 5, some, 0, 100, 1e9, room_for(), wide) == taken
-    assert seek_some(room, 0, 3, 0, 100, 1e9, room_for(), wide) == 0
+        assert seek_some(room, 5, some, Scope(0, 100, 1e9), room_for(), wide) == taken
+    assert seek_some(room, 0, 3, Scope(0, 100, 1e9), room_for(), wide) == 0

@@ -9,6 +9,7 @@ from hknob_cli.engine.certificate import EPSILON, step_error
 from hknob_cli.engine.follow import CYCLE_CONTINUUM, CYCLE_ON_EDGE, CYCLE_PROVEN, GREW, REST_PROVEN
 from hknob_cli.engine.loop import Loop, interval, level_of, make_loop, push
 from hknob_cli.engine.sets import ball, known
+from hknob_cli.engine.sets.centre import Trial
 from hknob_cli.engine.sets.room import Known, make_known
 
 from .orbits import Orbit, orbits
@@ -29,9 +30,12 @@ def room(delay: int = 0) -> Known:
 def follow(loop: Loop, x: float, v: float, samples: int, **more: Any) -> tuple:
     ring, head = more.get("ring", []), more.get("head", 0)
     small, limit = more.get("small", False), more.get("limit", 1e6)
-    given = x, v, more.get("radius", 0.0), more.get("error", 0.0), more.get("level", level_of(x, loop.sense))
-    run, next_test, ends = more.get("run", 0), more.get("next_test", 8), more.get("ends") or room(len(ring))
-    return ball.follow_ball(*given, run, next_test, ring, head, samples, limit, small, ends, loop)
+    error, level, ends = more.get("error", 0.0), more.get("level", level_of(x, loop.sense)), more.get("ends")
+    start = Trial(x, v, error, level, more.get("run", 0), more.get("next_test", 8), head)
+    known_ends = ends or room(len(ring))
+    given = ring, samples, limit, small, known_ends, loop
+    event, row, end, used = ball.follow_ball(start, more.get("radius", 0.0), *given)
+    return event, row, *end, used
 
 
 # A ball.

@@ -9,6 +9,7 @@ import pytest
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.loop import Loop, make_loop
 from hknob_cli.engine.sets.ball import step_through
+from hknob_cli.engine.sets.centre import Centre
 from hknob_cli.engine.sets.lattice import CELL, MEMBERS, keep, release, slot
 from hknob_cli.engine.sets.polygon import (
     COUNT,
@@ -34,6 +35,7 @@ from .rooms import small_room, waiting, zeros
 
 LOOP = make_loop(0.3, 0.25, 0.5, 0.3, 1.0, 0.0, 0.0)
 SQUARE = [-1.0, -0.5, 1.0, -0.5, 1.0, 0.5, -1.0, 0.5]
+NOTHING = Centre(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 # Moving.
@@ -109,18 +111,18 @@ def test_what_lies_on_a_limit_belongs_to_both_sides() -> None:
 def test_a_polygon_is_told_from_the_middle_of_its_rectangle() -> None:
     out = zeros(POLYGON + 1)
     corners = [1.0, 3.0, 4.0, 2.0, 5.0, 6.0, 2.0, 7.0]
-    put(out, 1, 16.0, 32.0, 0.125, -2.0, 9.0, 0.75, corners, 4)
+    put(out, 1, Centre(16.0, 32.0, 0.125, -2.0, 9.0, 0.75), corners, 4)
     found = out[1:]
     assert [found[k] for k in (X, V, ERROR, LEVEL, SAMPLE, WEIGHT, COUNT)] == [19.0, 36.5, 0.125, -2.0, 9.0, 0.75, 4.0]
     assert found[7:15] == [-2.0, -1.5, 1.0, -2.5, 2.0, 1.5, -1.0, 2.5]
-    put(out, 1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, [-3.0, -1.0, -2.0, 5.0, -7.0, 2.0], 3)
+    put(out, 1, NOTHING, [-3.0, -1.0, -2.0, 5.0, -7.0, 2.0], 3)
     assert (found[X], out[1 + X], out[1 + V]) == (19.0, -4.5, 2.0)
 
 
 def test_a_part_goes_on_one_sample_later_as_its_level() -> None:
     """Its middle as a trial, with the rounding of that sample; its corners as free motions."""
     room = small_room()
-    put_next(room, 2, 3.0, -1.0, 1e-9, -2.0, 7.0, 0.5, SQUARE, 4, LOOP)
+    put_next(room, 2, Centre(3.0, -1.0, 1e-9, -2.0, 7.0, 0.5), SQUARE, 4, LOOP)
     found = waiting(room, 2)
     x, v, error, _ = step_through(3.0, -1.0, 1e-9, -2.0, [], 0, LOOP)
     assert [found[k] for k in (X, V, ERROR, LEVEL, SAMPLE, WEIGHT, COUNT)] == [x, v, error, -2.0, 8.0, 0.5, 4.0]
@@ -134,26 +136,27 @@ def test_parts_reach_beyond_their_edges_by_what_they_must(reach: float) -> None:
     """Levels -2 to 0 of a rectangle from -1.75 to 0.75, and no part of level -3."""
     room = small_room()
     rectangle = [-1.0, -0.5, 1.5, -0.5, 1.5, 0.5, -1.0, 0.5]
-    assert part(room, 1, -0.75, 0.0, reach, 3.0, 1.0, rectangle, 4, -3.0, 0.0, LOOP) == 4
+    assert part(room, 1, Centre(-0.75, 0.0, reach, 5.0, 3.0, 1.0), rectangle, 4, -3.0, 0.0, LOOP) == 4
     for at, (level, low, high) in enumerate(
         [(-2.0, -1.75, -1.0 + reach), (-1.0, -1.0 - reach, reach), (0.0, -reach, 0.75)], 1
     ):
         found = waiting(room, at)
         before = zeros(POLYGON)
-        put(before, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, [low, -0.5, high, -0.5, high, 0.5, low, 0.5], 4)
+        put(before, 0, NOTHING, [low, -0.5, high, -0.5, high, 0.5, low, 0.5], 4)
         x, v, error, _ = step_through(before[X], before[V], reach, level, [], 0, LOOP)
         assert (found[LEVEL], found[COUNT]) == (level, 4.0)
         assert found[:3] == pytest.approx([x, v, error], rel=1e-12, abs=1e-15)
     other = make_loop(0.3, 0.25, 0.5, 0.3, -1.0, 0.0, 0.0)  # of "ceil" the edges belong to the other side
-    assert part(room, 0, -0.75, 0.0, reach, 3.0, 1.0, rectangle, 4, -1.0, 0.0, other) == 2
+    assert part(room, 0, Centre(-0.75, 0.0, reach, 5.0, 3.0, 1.0), rectangle, 4, -1.0, 0.0, other) == 2
 
 
 def test_there_is_room_for_two_parts_of_each_level_or_none_is_made() -> None:
     """Three levels: six places."""
     for places, first, found in ((6, 0, 3), (5, 0, -1), (7, 1, 4), (6, 1, -1)):
         room = small_room(polygons=places)
-        assert part(room, first, -1.0, 0.0, 0.0, 0.0, 1.0, SQUARE, 4, -2.0, 0.0, LOOP) == found
-    assert part(small_room(polygons=2), 0, 1.5, 0.0, 0.0, 0.0, 1.0, SQUARE, 4, 0.0, 0.0, LOOP) == 1
+        assert part(room, first, Centre(-1.0, 0.0, 0.0, 5.0, 0.0, 1.0), SQUARE, 4, -2.0, 0.0, LOOP) == found
+    one = Centre(1.5, 0.0, 0.0, 5.0, 0.0, 1.0)
+    assert part(small_room(polygons=2), 0, one, SQUARE, 4, 0.0, 0.0, LOOP) == 1
 
 
 def area(found: list[float]) -> float:
@@ -174,7 +177,7 @@ def test_a_part_with_more_corners_than_are_kept_goes_on_in_halves(
     """One corner of 16 beyond each edge makes 18, one beyond one edge 17. The halves are the whole."""
     room = small_room()
     ring = [c for k in range(16) for c in (radius * cos(k * pi / 8), 0.5 * radius * sin(k * pi / 8))]
-    total = part(room, 3, middle, 0.0, 0.0, 7.0, 0.5, ring, 16, -2.0, 0.0, LOOP)
+    total = part(room, 3, Centre(middle, 0.0, 0.0, 5.0, 7.0, 0.5), ring, 16, -2.0, 0.0, LOOP)
     found = [waiting(room, k) for k in range(3, total)]
     inside = [one for one in found if one[LEVEL] == -1.0]
     assert sorted(one[COUNT] for one in inside) == sizes
@@ -205,7 +208,7 @@ def test_every_cell_of_the_lattice_is_found_again() -> None:
 
 
 def kept(room: PolygonRoom, x: float, v: float, loop: Loop = LOOP, width: float = 2.0, error: float = 0.0) -> bool:
-    return keep(room, x, v, error, -1.0, 5.0, 0.5, [-0.125, 0.0, 0.125, 0.0, 0.0, 0.0625], 3, width, loop)
+    return keep(room, Centre(x, v, error, -1.0, 5.0, 0.5), [-0.125, 0.0, 0.125, 0.0, 0.0, 0.0625], 3, width, loop)
 
 
 def test_a_cell_is_as_wide_as_the_lattice_and_velocities_count_by_the_norm() -> None:
@@ -239,8 +242,8 @@ def test_half_the_lattice_is_used_at_most() -> None:
 def test_a_merged_rectangle_holds_its_members_with_their_errors_and_roundings(sign: float) -> None:
     """Errors of 1/4 and 1/2; 4 units of the middle's place and speed. A velocity is off by half its error."""
     room, unit = small_room(), EPSILON
-    assert keep(room, sign * 1024.0, sign * 512.0, 0.25, 0.0, 0.0, 1.0, [-1.0, -2.0, 1.0, 1.5], 2, 4096.0, LOOP)
-    assert keep(room, sign * 1025.0, sign * 513.0, 0.5, 0.0, 0.0, 1.0, [0.0, 0.0, -0.5, 0.25], 2, 4096.0, LOOP)
+    assert keep(room, Centre(sign * 1024.0, sign * 512.0, 0.25, 0.0, 0.0, 1.0), [-1.0, -2.0, 1.0, 1.5], 2, 4096.0, LOOP)
+    assert keep(room, Centre(sign * 1025.0, sign * 513.0, 0.5, 0.0, 0.0, 1.0), [0.0, 0.0, -0.5, 0.25], 2, 4096.0, LOOP)
     assert release(room, 2, LOOP) == 3
     found = waiting(room, 2)
     low_x = min(sign * 1024.0 - 1.0 - (0.25 + 4096.0 * unit), sign * 1025.0 - 0.5 - (0.5 + 4100.0 * unit))
@@ -258,15 +261,15 @@ def test_a_merged_rectangle_holds_its_members_with_their_errors_and_roundings(si
 
 def test_a_rectangle_around_zero_counts_both_its_sides() -> None:
     room, unit = small_room(), EPSILON
-    assert keep(room, 0.5, 0.25, 0.0, 0.0, 0.0, 1.0, [-3.5, -1.25, 0.5, 0.75], 2, 8.0, LOOP)
-    assert keep(room, 0.5, 0.25, 0.0, 0.0, 0.0, 1.0, [0.0, 0.0], 1, 8.0, LOOP)
+    assert keep(room, Centre(0.5, 0.25, 0.0, 0.0, 0.0, 1.0), [-3.5, -1.25, 0.5, 0.75], 2, 8.0, LOOP)
+    assert keep(room, Centre(0.5, 0.25, 0.0, 0.0, 0.0, 1.0), [0.0, 0.0], 1, 8.0, LOOP)
     assert release(room, 0, LOOP) == 1
     assert waiting(room, 0)[ERROR] == pytest.approx(4.0 * unit * (3.0 + 1.0 + 2.0 * (1.0 + 1.0)), rel=1e-12)
 
 
 def test_one_alone_goes_on_as_it_is() -> None:
     room, before = small_room(), zeros(POLYGON)
-    assert keep(room, 3.0, 0.2, 1e-9, -1.0, 5.0, 0.5, SQUARE, 4, 100.0, LOOP)
-    put(before, 0, 3.0, 0.2, 1e-9, -1.0, 5.0, 0.5, SQUARE, 4)
+    assert keep(room, Centre(3.0, 0.2, 1e-9, -1.0, 5.0, 0.5), SQUARE, 4, 100.0, LOOP)
+    put(before, 0, Centre(3.0, 0.2, 1e-9, -1.0, 5.0, 0.5), SQUARE, 4)
     assert release(room, 4, LOOP) == 5
     assert waiting(room, 4) == before

@@ -160,12 +160,11 @@ class Boxes:
         return self.fate, 1000, self.skip, 1e6
 
     def sample_box(
-        self, starts: Any, first: int, stop: int, patience: int, most: int, limit: float, ring: Any, ends: Any,
-        known: Any, loop: Any,
-    ) -> Any:  # fmt: skip
+        self, starts: Any, first: int, stop: int, scope: Any, ring: Any, ends: Any, known: Any, loop: Any
+    ) -> Any:
         assert first < stop <= SAMPLED
         assert isinstance(stop, int)
-        assert (patience, most, limit, ring, loop) == (self.skip, 1000, 1e6, [], LOOP)
+        assert (*scope, ring, loop) == (self.skip, 1000, 1e6, [], LOOP)
         assert (len(starts), len(ends), len(known.lines)) == (2 * SAMPLED, SAMPLED, 1)
         self.starts = starts
         self.slices.append((first, stop))
@@ -180,10 +179,9 @@ class Boxes:
         self.asked.append(("fill", *given))
 
     def follow_generation(
-        self, room: Any, waiting: int, width: float, patience: int, most: int, limit: float, samples: int, known: Any,
-        loop: Any,
-    ) -> Any:  # fmt: skip
-        assert (room, patience, most, limit, samples, loop) == (
+        self, room: Any, waiting: int, width: float, samples: int, scope: Any, known: Any, loop: Any
+    ) -> Any:
+        assert (room, *scope, samples, loop) == (
             self.room, cells.first_patience(self.skip), 1000, 1e6, search.SLICE, LOOP,
         )  # fmt: skip
         known.counts[0] = 1.0
@@ -200,10 +198,8 @@ class Boxes:
         self.asked.append("release")
         return float(self.released.pop(0))
 
-    def seek_some(
-        self, room: Any, waiting: int, some: int, patience: int, most: int, limit: float, known: Any, loop: Any
-    ) -> int:
-        assert (room, some, patience, most, limit, loop) == (self.room, search.SEEN, self.skip, 1000, 1e6, LOOP)
+    def seek_some(self, room: Any, waiting: int, some: int, scope: Any, known: Any, loop: Any) -> int:
+        assert (room, some, *scope, loop) == (self.room, search.SEEN, self.skip, 1000, 1e6, LOOP)
         self.asked.append(("seek", waiting))
         return self.sought
 
@@ -420,7 +416,7 @@ def test_each_start_of_a_map_is_of_a_proven_end_or_of_none(monkeypatch: pytest.M
         return rows.pop(0)
 
     def sample(flat: Any, first: int, stop: int, *rest: Any) -> None:
-        skip, most, limit, ring, out, known, loop = rest
+        (skip, most, limit), ring, out, known, loop = rest
         assert (skip, most, limit, len(ring), len(known.lines), loop) == (5, 1000, 1e6, 0, 1, LOOP)
         asked.append((first, stop, flat.tolist()))
         out[first:stop] = ends[first:stop]

@@ -18,6 +18,7 @@ from hknob_cli.engine.sets.ball import (
     follow_ball,
     step_through,
 )
+from hknob_cli.engine.sets.centre import Trial
 from hknob_cli.engine.sets.known import add_end, captor, resting
 from hknob_cli.engine.sets.room import Known
 
@@ -26,22 +27,11 @@ from .loops import knob, known, loops
 
 def ball(loop: Loop, ends: Known, x: float, v: float, radius: float, **more: float) -> tuple:
     """Follow a ball that has just begun."""
-    return follow_ball(
-        x,
-        v,
-        radius,
-        more.get("error", 0.0),
-        more.get("level", level_of(x, loop.sense)),
-        0,
-        FIRST_REST_TEST,
-        [],
-        0,
-        int(more.get("samples", 200)),
-        more.get("limit", 1e6),
-        bool(more.get("small", False)),
-        ends,
-        loop,
-    )
+    level = more.get("level", level_of(x, loop.sense))
+    start = Trial(x, v, more.get("error", 0.0), level, 0, FIRST_REST_TEST, 0)
+    samples, limit, small = int(more.get("samples", 200)), more.get("limit", 1e6), bool(more.get("small", False))
+    event, row, end, used = follow_ball(start, radius, [], samples, limit, small, ends, loop)
+    return event, row, *end, used
 
 
 def learned(loop: Loop, x: float = 2.0) -> Known:

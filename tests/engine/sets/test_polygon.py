@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from hknob_cli.engine.loop import Loop, level_of, lower_edge, upper_edge
 from hknob_cli.engine.sets.ball import step_through
+from hknob_cli.engine.sets.centre import Centre
 from hknob_cli.engine.sets.lattice import keep, release
 from hknob_cli.engine.sets.polygon import (
     CORNERS,
@@ -127,7 +128,7 @@ def test_every_state_goes_on_in_a_part_of_its_level(
     count = len(corners) // 2
     low = level_of(x + min(corners[::2]) - reach, loop.sense)
     high = level_of(x + max(corners[::2]) + reach, loop.sense)
-    waiting = part(room, 0, x, v, reach, 7.0, 0.25, corners, count, low, high, loop)
+    waiting = part(room, 0, Centre(x, v, reach, 5.0, 7.0, 0.25), corners, count, low, high, loop)
     assert waiting >= 1
     found = [room.stack[POLYGON * k : POLYGON * (k + 1)] for k in range(waiting)]
     assert all(p[COUNT] <= CORNERS and p[SAMPLE] == 8.0 and p[WEIGHT] == 0.25 and p[ERROR] >= reach for p in found)
@@ -150,7 +151,7 @@ def test_parts_lie_within_their_level_but_for_the_reach(room: PolygonRoom) -> No
 
     loop = knob()
     square = [-1.5, -0.1, 1.5, -0.1, 1.5, 0.1, -1.5, 0.1]
-    assert part(room, 0, -0.2, 0.0, 0.01, 0.0, 1.0, square, 4, -2.0, 0.0, loop) == 3
+    assert part(room, 0, Centre(-0.2, 0.0, 0.01, 5.0, 0.0, 1.0), square, 4, -2.0, 0.0, loop) == 3
     found = [room.stack[POLYGON * k : POLYGON * (k + 1)] for k in range(3)]
     assert [p[LEVEL] for p in found] == [-2.0, -1.0, 0.0]
     area = [
@@ -168,7 +169,7 @@ def test_a_polygon_with_too_many_corners_is_halved(room: PolygonRoom) -> None:
     loop = knob()
     angles = np.linspace(0.0, 2.0 * np.pi, CORNERS, endpoint=False) + 0.1
     corners = (0.4 * np.column_stack([np.cos(angles), np.sin(angles)])).ravel().tolist()
-    waiting = part(room, 0, -0.02, 0.0, 0.0, 0.0, 1.0, corners, CORNERS, -1.0, 0.0, loop)
+    waiting = part(room, 0, Centre(-0.02, 0.0, 0.0, 5.0, 0.0, 1.0), corners, CORNERS, -1.0, 0.0, loop)
     total = 0.0
     for k in range(waiting):
         p = room.stack[POLYGON * k : POLYGON * (k + 1)]
@@ -185,7 +186,7 @@ def test_no_part_is_left_out_for_lack_of_room() -> None:
 
     narrow = make_polygon_room(zeros)._replace(stack=zeros(3 * POLYGON))
     square = [-5.5, -0.1, 5.5, -0.1, 5.5, 0.1, -5.5, 0.1]
-    assert part(narrow, 0, -3.0, 0.0, 0.0, 0.0, 1.0, square, 4, -9.0, 0.0, knob()) == -1
+    assert part(narrow, 0, Centre(-3.0, 0.0, 0.0, 5.0, 0.0, 1.0), square, 4, -9.0, 0.0, knob()) == -1
 
 
 @small
@@ -197,7 +198,7 @@ def test_merged_polygons_hold_all_their_states(
     kept = []
     for k, corners in enumerate(shapes):
         x, v, error = 0.3 * k, 0.1 * k, 1e-3 * (k + 1)
-        assert keep(room, x, v, error, -1.0, 5.0, 0.5, corners, len(corners) // 2, width, loop)
+        assert keep(room, Centre(x, v, error, -1.0, 5.0, 0.5), corners, len(corners) // 2, width, loop)
         kept.append((x, v, error, corners))
     waiting = int(release(room, 0, loop))
     assert room.counts[0] == 0.0
@@ -222,8 +223,8 @@ def test_a_polygon_alone_in_its_cell_goes_on_as_it_is(room: PolygonRoom) -> None
 
     corners = [-0.1, 0.0, 0.1, -0.02, 0.05, 0.03]
     before = zeros(POLYGON)
-    put(before, 0, 3.0, 0.2, 1e-9, -1.0, 5.0, 0.0, corners, 3)
-    assert keep(room, 3.0, 0.2, 1e-9, -1.0, 5.0, 0.5, corners, 3, 1.0, knob())
+    put(before, 0, Centre(3.0, 0.2, 1e-9, -1.0, 5.0, 0.0), corners, 3)
+    assert keep(room, Centre(3.0, 0.2, 1e-9, -1.0, 5.0, 0.5), corners, 3, 1.0, knob())
     assert release(room, 0, knob()) == 1
     before[WEIGHT] = 0.5
     assert room.stack[:POLYGON] == before
@@ -237,9 +238,9 @@ def test_what_a_search_cut_short_leaves_in_the_lattice_is_forgotten(room: Polygo
 
     loop, square = knob(), [-0.1, -0.1, 0.1, -0.1, 0.1, 0.1, -0.1, 0.1]
     for fill in (lambda: fill_box(-1.0, 1.0, -1.0, 1.0, room, loop), lambda: fill_polygon(square, 4, room, loop)):
-        assert keep(room, 0.3, 0.2, 0.0, 0.0, 1.0, 0.5, square, 4, 1.0, loop)
+        assert keep(room, Centre(0.3, 0.2, 0.0, 0.0, 1.0, 0.5), square, 4, 1.0, loop)
         fill()
         assert not any(room.used)
-        assert keep(room, 0.3, 0.2, 0.0, 0.0, 1.0, 0.5, square, 4, 1.0, loop)
+        assert keep(room, Centre(0.3, 0.2, 0.0, 0.0, 1.0, 0.5), square, 4, 1.0, loop)
         assert release(room, 0, loop) == 1
         assert room.stack[WEIGHT] == 0.5
