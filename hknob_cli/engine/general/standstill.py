@@ -101,63 +101,43 @@ def comes_to_rest(z, shown, u, body, wall, delay, orbit):
     return reach + ROUNDINGS * EPSILON * (1.0 + abs(rest) + abs(z[0])) < gap, gap
 
 
-def settles(z, shown, before, ring, body, wall, orbit, away):
-    """Fate of a trial whose reading goes on: ``(fate, margin)``; the rest point is left in ``orbit``.
+def fate_of_held(z, shown, gap, wall):
+    """Fate of a knob that friction holds, by the gap to the nearest change of reading."""
+    if wall.analog > 0.0 and shown < 0.0 and not has_curve(wall.curve):
+        return AT_REST
+    return AT_REST if gap > ROUNDINGS * EPSILON * (1.0 + abs(z[0])) else REST_ON_EDGE
 
-    `SETTLING` is a rest that may never be reached.
-    """
-    u = command(shown, shown, wall)
-    if not steady(ring, u) or (wall.damping > 0.0 and shown != before):
-        return MOVING, 0.0
+
+def find_balance(u, body, orbit):
+    """Leave in ``orbit`` where a body without friction stands under the torque ``u``; whether it does."""
     n = body.order
     for i in range(n):
         orbit[i] = 0.0
-    orbit[0] = z[0]
-    gap = edge_gap(z[0], shown, before, wall)
-    if runs_off(z, u, shown, body, wall):
-        return LEAVES, gap
-    if body.friction > 0.0:
-        if not stays_held(z, u, body):
-            if has_cogs(body.cogs):
-                if is_followed(shown, wall):
-                    return MOVING, gap
-                keeps, gap = keeps_to_slope(body.cogs, z, u, shown, 0.0, 0.0, body, wall, orbit, away)
-                return (SETTLING if keeps else MOVING), gap
-            keeps, gap = keeps_reading(z, shown, u, body, wall, len(ring), orbit, away)
-            if keeps:
-                come_to_rest(z, shown, u, body, wall, orbit)
-            return (SETTLING if keeps else MOVING), gap
-        if wall.analog > 0.0 and shown < 0.0 and not has_curve(wall.curve):
-            return AT_REST, gap
-        return (AT_REST if gap > ROUNDINGS * EPSILON * (1.0 + abs(z[0])) else REST_ON_EDGE), gap
-    if is_followed(shown, wall):
-        if jitters(wall.clock) and not has_cogs(body.cogs):
-            rests, gap = comes_to_rest(z, shown, u, body, wall, len(ring), orbit)
-            return (AT_REST if rests else MOVING), gap
-        return MOVING, gap
-    if has_cogs(body.cogs):
-        return settles_free(body.cogs, z, u, shown, 0.0, 0.0, body, wall, orbit, away)
-    drive = u - body.push
     if body.ratio > 0.0:
         if body.pad_stiffness == 0.0 or body.finger_stiffness == 0.0:
-            return MOVING, gap
+            return False
+        drive = u - body.push
         orbit[2] = drive / body.pad_stiffness
         orbit[0] = orbit[2] + body.ratio * drive / body.finger_stiffness - body.shift
     elif body.beta > 0.0:
         orbit[0] = (u + body.drive) / body.beta
     else:
-        if body.coil > 0.0:
-            return MOVING, gap
-        if drive != 0.0 or (body.lag > 0.0 and z[2] != u):
-            return MOVING, gap
-        if body.alpha == 0.0:
-            if z[1] == 0.0:
-                return AT_REST, gap
-            return (LEAVES if goes_on(z[1], shown, wall) else MOVING), gap
-        orbit[0] = z[0] + z[1] / body.alpha
+        return False
     if body.lag > 0.0:
         orbit[n - 1] = u
-    for i in range(n):
+    return True
+
+
+def is_left_alone(z, u, body):
+    """Whether nothing but damping ever acts on a knob that no spring holds."""
+    if body.coil > 0.0:
+        return False
+    return u - body.push == 0.0 and not (body.lag > 0.0 and z[2] != u)
+
+
+def fate_by_energy(z, shown, u, body, wall, orbit, away):
+    """Fate of a trial without friction, by its distance from the rest in ``orbit``, which never grows."""
+    for i in range(body.order):
         away[i] = z[i] - orbit[i]
     rest = orbit[0]
     seen = rest if has_curve(wall.curve) else shown
@@ -171,3 +151,58 @@ def settles(z, shown, before, ring, body, wall, orbit, away):
     if abs(gap) <= bound and reach < 1e-6:
         return REST_ON_EDGE, 0.0
     return MOVING, gap
+
+
+def settles_alone(z, shown, u, gap, body, wall, orbit, away):
+    """Fate of a trial without friction under a torque that goes on, as `settles`; ``gap``: of where it is now."""
+    if body.ratio > 0.0 or body.beta > 0.0:
+        if not find_balance(u, body, orbit):
+            return MOVING, gap
+        return fate_by_energy(z, shown, u, body, wall, orbit, away)
+    if not is_left_alone(z, u, body):
+        return MOVING, gap
+    if body.alpha == 0.0:
+        if z[1] == 0.0:
+            return AT_REST, gap
+        return (LEAVES if goes_on(z[1], shown, wall) else MOVING), gap
+    orbit[0] = z[0] + z[1] / body.alpha
+    if body.lag > 0.0:
+        orbit[body.order - 1] = u
+    return fate_by_energy(z, shown, u, body, wall, orbit, away)
+
+
+def settles(z, shown, before, ring, body, wall, orbit, away):
+    """Fate of a trial whose reading goes on: ``(fate, margin)``; the rest point is left in ``orbit``.
+
+    `SETTLING` is a rest that may never be reached.
+    """
+    u = command(shown, shown, wall)
+    if not steady(ring, u) or (wall.damping > 0.0 and shown != before):
+        return MOVING, 0.0
+    for i in range(body.order):
+        orbit[i] = 0.0
+    orbit[0] = z[0]
+    gap = edge_gap(z[0], shown, before, wall)
+    if runs_off(z, u, shown, body, wall):
+        return LEAVES, gap
+    if body.friction > 0.0 and stays_held(z, u, body):
+        return fate_of_held(z, shown, gap, wall), gap
+    followed = is_followed(shown, wall)
+    if has_cogs(body.cogs):
+        if followed:
+            return MOVING, gap
+        if body.friction == 0.0:
+            return settles_free(body.cogs, z, u, shown, 0.0, 0.0, body, wall, orbit, away)
+        keeps, gap = keeps_to_slope(body.cogs, z, u, shown, 0.0, 0.0, body, wall, orbit, away)
+        return (SETTLING if keeps else MOVING), gap
+    if body.friction > 0.0:
+        keeps, gap = keeps_reading(z, shown, u, body, wall, len(ring), orbit, away)
+        if keeps:
+            come_to_rest(z, shown, u, body, wall, orbit)
+        return (SETTLING if keeps else MOVING), gap
+    if followed:
+        if jitters(wall.clock):
+            rests, gap = comes_to_rest(z, shown, u, body, wall, len(ring), orbit)
+            return (AT_REST if rests else MOVING), gap
+        return MOVING, gap
+    return settles_alone(z, shown, u, gap, body, wall, orbit, away)

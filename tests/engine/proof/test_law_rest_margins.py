@@ -6,13 +6,11 @@ from typing import Any
 import pytest
 
 from hknob_cli.engine.certificate import EPSILON
-from hknob_cli.engine.general.laws.rest import find_balance, settled_past, settles_with_law
+from hknob_cli.engine.general.laws.rest import settled_past, settles_with_law
 from hknob_cli.engine.general.laws.step import begin_past, decide
 from hknob_cli.engine.general.standstill import SETTLING
 from hknob_cli.engine.rest import AT_REST, MOVING, REST_ON_EDGE
 from tests.engine.general.test_laws import made
-
-from .test_standstill_margins import FINGER, LAGGING, body
 
 SLOW = {"kind": "bounded_lag", "keep": 0.15, "time_constant": 9e5}  # a billionth of the way in a sample
 
@@ -79,26 +77,6 @@ def test_friction_must_hold_what_the_mean_may_end_at() -> None:
             one = cell.knob.body._replace(push=push, drive=-push, friction=friction)
             found = settles_with_law([-0.5, 0.0], -1.0, past, one, cell.knob.wall, law, [7.0] * 2, [7.0] * 2)
             assert (found == AT_REST) == held
-
-
-# Where a body stands.
-
-
-def test_a_body_stands_where_its_torques_balance() -> None:
-    """A spring of a quarter under 0.5 - 1; a finger behind its pad; a lag with its torque."""
-    orbit = [7.0] * 2
-    assert find_balance(0.5, body(beta=0.25, push=1.0), orbit)
-    assert orbit == [-2.0, 0.0]
-    assert not find_balance(0.5, body(beta=0.0), [7.0] * 2)
-    orbit = [7.0] * 3
-    assert find_balance(0.5, LAGGING, orbit)
-    assert orbit == [-1.0, 0.0, 0.5]  # (0.5 - 1) / 0.5
-    orbit = [7.0] * 5
-    # 2.5 - 0.5 over 2 and, of four times the inertia, over 8; less the neutral angle.
-    assert find_balance(2.5, FINGER, orbit)
-    assert orbit == [1.0 + 4.0 * 2.0 / 8.0 - 0.5, 0.0, 1.0, 0.0, 2.5]
-    assert not find_balance(2.5, FINGER._replace(pad_stiffness=0.0), [7.0] * 5)
-    assert not find_balance(2.5, FINGER._replace(finger_stiffness=0.0), [7.0] * 5)
 
 
 def test_what_is_counted_must_have_come_to_its_end() -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.laws import rest
-from hknob_cli.engine.general.laws.rest import find_balance, settled_past, settles_with_law
+from hknob_cli.engine.general.laws.rest import settled_past, settles_with_law
 from hknob_cli.engine.general.standstill import SETTLING
 from hknob_cli.engine.rest import AT_REST, MOVING, REST_ON_EDGE, RINGS
 
@@ -250,9 +250,3 @@ def test_torques_of_an_interval_must_be_one() -> None:
             past = [5.0, 6.0, -1.0, *[0.5, 0.5] * ages]
             assert settled_past(past, -1.0, WALL, law) == (still, 0.375)
             assert law.periodic == [5.0, 6.0, -1.0, *torques * ages]
-
-
-def test_a_light_knob_stands_behind_its_finger_too() -> None:
-    orbit = [7.0] * 5
-    assert find_balance(2.5, FINGER._replace(ratio=0.5), orbit)
-    assert orbit == [1.0 + 0.5 * 2.0 / 8.0 - 0.5, 0.0, 1.0, 0.0, 2.5]

@@ -11,7 +11,7 @@ from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general import standstill
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller, command, read
-from hknob_cli.engine.general.standstill import SETTLING, rest_rounding, settles, stays_held, steady
+from hknob_cli.engine.general.standstill import SETTLING, find_balance, rest_rounding, settles, stays_held, steady
 from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, REST_ON_EDGE, RINGS
 from hknob_cli.scene.general_knob import make_body
 from hknob_cli.specs.scene import SceneSpec
@@ -373,3 +373,29 @@ def test_a_winding_that_nothing_springs_back_is_not_said_to_rest() -> None:
     loose = body(alpha=0.0, beta=0.0)._replace(order=3, coil=0.5, reach=inf)
     for z in ([3.25, 1.0, 0.0], [3.25, 0.0, 0.5]):
         assert fate(z, loose)[0] == MOVING
+
+
+# Where a body stands.
+
+
+def test_a_body_stands_where_its_torques_balance() -> None:
+    """A spring of a quarter under 0.5 - 1; a finger behind its pad; a lag with its torque."""
+    orbit = [7.0] * 2
+    assert find_balance(0.5, body(beta=0.25, push=1.0), orbit)
+    assert orbit == [-2.0, 0.0]
+    assert not find_balance(0.5, body(beta=0.0), [7.0] * 2)
+    orbit = [7.0] * 3
+    assert find_balance(0.5, LAGGING, orbit)
+    assert orbit == [-1.0, 0.0, 0.5]  # (0.5 - 1) / 0.5
+    orbit = [7.0] * 5
+    # 2.5 - 0.5 over 2 and, of four times the inertia, over 8; less the neutral angle.
+    assert find_balance(2.5, FINGER, orbit)
+    assert orbit == [1.0 + 4.0 * 2.0 / 8.0 - 0.5, 0.0, 1.0, 0.0, 2.5]
+    assert not find_balance(2.5, FINGER._replace(pad_stiffness=0.0), [7.0] * 5)
+    assert not find_balance(2.5, FINGER._replace(finger_stiffness=0.0), [7.0] * 5)
+
+
+def test_a_light_knob_stands_behind_its_finger_too() -> None:
+    orbit = [7.0] * 5
+    assert find_balance(2.5, FINGER._replace(ratio=0.5), orbit)
+    assert orbit == [1.0 + 0.5 * 2.0 / 8.0 - 0.5, 0.0, 1.0, 0.0, 2.5]

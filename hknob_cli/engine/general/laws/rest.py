@@ -14,7 +14,7 @@ from hknob_cli.engine.general.flank_rest import flank_room
 from hknob_cli.engine.general.inner_region import ROUNDINGS, hold_zone, rest_at
 from hknob_cli.engine.general.laws.cascade import faded, pushed_apart, same_count, settle_faded, torques_apart
 from hknob_cli.engine.general.laws.step import decide
-from hknob_cli.engine.general.standstill import SETTLING, rest_rounding, stays_held
+from hknob_cli.engine.general.standstill import SETTLING, find_balance, rest_rounding, stays_held
 from hknob_cli.engine.rest import AT_REST, MOVING, REST_ON_EDGE, RINGS
 
 
@@ -39,26 +39,6 @@ def settled_past(past, shown, wall, law):
         if law.periodic[newest + i] != law.periodic[newest]:
             return False, guard
     return True, guard
-
-
-def find_balance(u, body, orbit):
-    """Leave in ``orbit`` where a body without friction stands under the torque ``u``; whether it does."""
-    n = body.order
-    for i in range(n):
-        orbit[i] = 0.0
-    if body.ratio > 0.0:
-        if body.pad_stiffness == 0.0 or body.finger_stiffness == 0.0:
-            return False
-        drive = u - body.push
-        orbit[2] = drive / body.pad_stiffness
-        orbit[0] = orbit[2] + body.ratio * drive / body.finger_stiffness - body.shift
-    elif body.beta > 0.0:
-        orbit[0] = (u + body.drive) / body.beta
-    else:
-        return False
-    if body.lag > 0.0:
-        orbit[n - 1] = u
-    return True
 
 
 def settled_torque(x, shown, past, wall, law):

@@ -16,11 +16,11 @@ from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.laws.cascade import faded, pushed_apart, same_count, sums_agree, torques_apart
 from hknob_cli.engine.general.laws.follow import follow_with_law
 from hknob_cli.engine.general.laws.period import certify_with_law
-from hknob_cli.engine.general.laws.rest import find_balance, settled_torque
+from hknob_cli.engine.general.laws.rest import settled_torque
 from hknob_cli.engine.general.laws.step import advance_with_law, begin_past, decide
 from hknob_cli.engine.general.laws.trials import enter_with_law
 from hknob_cli.engine.general.sets.readings import acting, highest, lowest, remembered
-from hknob_cli.engine.general.standstill import rest_rounding, settles, steady
+from hknob_cli.engine.general.standstill import find_balance, rest_rounding, settles, steady
 from hknob_cli.engine.rest import AT_REST, MOVING
 
 
