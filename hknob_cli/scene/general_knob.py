@@ -90,41 +90,13 @@ def sample_general(
     shift = encoder.offset_counts - (0.5 if nearest else 0.0) if scene.encoder else 0.0
     whole = int(actuator.delay_samples)
     split = float(actuator.delay_samples - whole)
-    kappa = scene.wall.stiffness * square
-    offset = encoder.offset_counts if scene.encoder else 0.0
-    table, curve = None, None
-    if is_shaped(scene) and scene.encoder is None:
-        curve = curve_of(scene, quantum_rad=quantum, unit_nm=quantum / square)
-    elif is_shaped(scene):
-        if counts_per_rev is None:
-            raise ComputationError("a torque over the angle needs an encoder's counts, or a continuous sensor")
-        clock, apart = Clock(counts_per_rev, quantum, offset), 0.0 if walled else kappa
-        table = table_of(scene, clock, kappa=kappa - apart, unit_nm=quantum / square)
-        kappa = apart - float(table[RISE_BELOW] / table[TURN])
-    wall = Controller(
-        kappa=kappa,
-        damping=scene.wall.damping * (1.0 + jitter) * period / inertia,  # firmware divides by the period meant
-        sense=-1.0 if encoder.rounding in ("ceil", "truncate") else 1.0,
-        truncate=1.0 if encoder.rounding == "truncate" else 0.0,
-        offset=offset,
-        analog=0.0 if scene.encoder else 1.0,
-        step=actuator.torque_step * square / quantum,
-        limit=inf if actuator.torque_limit is None else actuator.torque_limit * square / quantum,
-        split=split,
-        table=table,
-        band=actuator.dead_band * square / quantum,
-        hysteresis=encoder.width_counts(quantum) if scene.encoder else 0.0,
-        clock=_clock(scene.clock) if scene.clock and jitter > 0.0 else None,
-        curve=curve,
+    wall = _controller_of(
+        scene, period=period, square=square, quantum=quantum, counts_per_rev=counts_per_rev, split=split, walled=walled
     )
     if walled and wall.hysteresis > 0.0 and wall.damping > 0.0:
         raise ComputationError("virtual damping beside hysteresis of the encoder is followed under a law")
     body, slowest = make_body(scene, period=period, quantum=quantum, shift=shift, split=split)
-    commands = [] if table is None else table[HEAD : HEAD + (len(table) - HEAD) // 3].tolist()
-    commands += [] if curve is None else curve[~np.isinf(curve)].tolist()
-    numbers = [*wall[: wall._fields.index("limit")], wall.band, *commands, body.friction, body.push, body.play]
-    numbers += [*body.matrices, *body.vectors, *(body.cogs or [])]
-    if not all(isfinite(value * value) for value in numbers):
+    if _overflows(wall, body):
         place = f"at {sample_rate_hz:g} Hz" + (f" and {counts_per_rev} counts" if counts_per_rev else "")
         raise ComputationError(f"{place} the scene's numbers overflow")
     turns = turns_of(body)
@@ -144,6 +116,58 @@ def sample_general(
         rate=slowest,
         behind=scene.behind,
     )
+
+
+def _controller_of(
+    scene: Scene,
+    *,
+    period: float,
+    square: float,
+    quantum: float,
+    counts_per_rev: int | None,
+    split: float,
+    walled: bool,
+) -> Controller:
+    """How a scene's wall reads and commands; ``square``: period² over inertia."""
+    actuator, encoder = scene.actuator or Actuator(), scene.encoder or Encoder()
+    jitter = scene.clock.jitter if scene.clock else 0.0
+    inertia = scene.knob.inertia + (scene.hand or Hand()).inertia
+    offset = encoder.offset_counts if scene.encoder else 0.0
+    kappa, table, curve = scene.wall.stiffness * square, None, None
+    if is_shaped(scene) and scene.encoder is None:
+        curve = curve_of(scene, quantum_rad=quantum, unit_nm=quantum / square)
+    elif is_shaped(scene):
+        if counts_per_rev is None:
+            raise ComputationError("a torque over the angle needs an encoder's counts, or a continuous sensor")
+        clock, apart = Clock(counts_per_rev, quantum, offset), 0.0 if walled else kappa
+        table = table_of(scene, clock, kappa=kappa - apart, unit_nm=quantum / square)
+        kappa = apart - float(table[RISE_BELOW] / table[TURN])
+    return Controller(
+        kappa=kappa,
+        damping=scene.wall.damping * (1.0 + jitter) * period / inertia,  # firmware divides by the period meant
+        sense=-1.0 if encoder.rounding in ("ceil", "truncate") else 1.0,
+        truncate=1.0 if encoder.rounding == "truncate" else 0.0,
+        offset=offset,
+        analog=0.0 if scene.encoder else 1.0,
+        step=actuator.torque_step * square / quantum,
+        limit=inf if actuator.torque_limit is None else actuator.torque_limit * square / quantum,
+        split=split,
+        table=table,
+        band=actuator.dead_band * square / quantum,
+        hysteresis=encoder.width_counts(quantum) if scene.encoder else 0.0,
+        clock=_clock(scene.clock) if scene.clock and jitter > 0.0 else None,
+        curve=curve,
+    )
+
+
+def _overflows(wall: Controller, body: Body) -> bool:
+    """Whether a number of a cell, or its square, is not finite."""
+    table, curve = wall.table, wall.curve
+    commands = [] if table is None else table[HEAD : HEAD + (len(table) - HEAD) // 3].tolist()
+    commands += [] if curve is None else curve[~np.isinf(curve)].tolist()
+    numbers = [*wall[: wall._fields.index("limit")], wall.band, *commands, body.friction, body.push, body.play]
+    numbers += [*body.matrices, *body.vectors, *(body.cogs or [])]
+    return not all(isfinite(value * value) for value in numbers)
 
 
 def _clock(clock: SampleClock) -> Array:
