@@ -28,6 +28,7 @@ from hknob_cli.terminal import heed, reporting, say, tell
 if TYPE_CHECKING:
     from hknob_cli.cli.run_done import Stage
     from hknob_cli.pipeline.build import Outcome
+    from hknob_cli.pipeline.nodes import Step
     from hknob_cli.pipeline.one_claim import OneClaim
     from hknob_cli.results.changes import Change
     from hknob_cli.specs.pipeline_plan import PipelinePlan
@@ -76,32 +77,29 @@ def run(
         from hknob_cli.cli.run_done import report
         from hknob_cli.pipeline import fresh
 
-        root = out or _root(pipeline, tuple(sets or ()))
-        request = fresh.asked(pipeline, root, fresh.options(sets or (), until))
-        done_with = partial(report, pipeline, root, sets=sets or (), until=until, as_json=as_json, quiet=quiet)
+        overrides = tuple(sets or ())
+        root = out or _root(pipeline, overrides)
+        request = fresh.asked(pipeline, root, fresh.options(overrides, until))
+        done_with = partial(report, pipeline, root, sets=overrides, until=until, as_json=as_json, quiet=quiet)
         if not (force or dry_run or explain or claim is not None):
             done = fresh.finished(root, request)
             if done is not None:
                 done_with(done["name"], done["stages"])
                 return
-        from hknob_cli.pipeline.build import Fate, build
+        from hknob_cli.pipeline.build import build
         from hknob_cli.pipeline.side_by_side import SideBySide
         from hknob_cli.pipeline.steps import chosen, jobs_of, steps_of
         from hknob_cli.results import store
         from hknob_cli.specs.load import load_pipeline
 
-        def said(stage: str, text: str) -> None:
-            if (text or verbose) and not quiet:
-                say(f"{stage}: {text or 'started'}")
-
-        plan = load_pipeline(pipeline, tuple(sets or ()))
+        plan = load_pipeline(pipeline, overrides)
         one = _find_claim(plan, root, claim, quiet=quiet) if claim is not None else None
         wanted = one.stages(plan) if one else None if until is None else [until]
         stages = chosen(plan, wanted)
         work = jobs_of(
             stages, root, jobs=jobs, force=force, quiet=quiet, verbose=verbose, unattended=True, scheduler=scheduler
         )
-        makers = SideBySide(jobs, said, spread=scheduler is None)
+        makers = SideBySide(jobs, partial(_say_of, quiet=quiet, verbose=verbose), spread=scheduler is None)
         steps = steps_of(stages, work, root, makers)
         if dry_run or explain:
             outcomes = build(steps, root, force=force, dry=True)
@@ -111,30 +109,14 @@ def run(
         with store.hold(root, []), makers:
             outcomes = build(steps, root, force=force)
             heed()
-            table = [
-                {
-                    "name": step.name,
-                    "kind": work[step.name].kind,
-                    "status": outcome.fate.value,
-                    "files": [str(path) for path in step.writes],
-                }
-                for step, outcome in zip(steps, outcomes, strict=True)
-            ]
-            done_all = all(outcome.fate in (Fate.COMPUTED, Fate.UP_TO_DATE) for outcome in outcomes)
+            table = _table_of(steps, work, outcomes)
+            done_all = _is_all_done(outcomes)
             if done_all and not one:
-                up_to_date = [
-                    {
-                        **row,
-                        "status": Fate.UP_TO_DATE.value,
-                        "files": [fresh.relative(Path(file), root) for file in row["files"]],
-                    }
-                    for row in table
-                ]
-                fresh.write_record(root, plan.name, request, up_to_date)
+                fresh.write_record(root, plan.name, request, _up_to_date(table, root))
         if one and done_all:
             from hknob_cli.cli.next_step import after_pipeline
 
-            step = "" if quiet else after_pipeline(pipeline, root, tuple(sets or ()), plan.name, claim, [])
+            step = "" if quiet else after_pipeline(pipeline, root, overrides, plan.name, claim, [])
             _say_verdict(one, plan.name, table, step, as_json=as_json)
         else:
             done_with(plan.name, table)
@@ -146,6 +128,47 @@ def _root(path: Path, overrides: tuple[str, ...]) -> Path:
     from hknob_cli.specs.load import load_pipeline
 
     return Path("results") / load_pipeline(path, overrides).name
+
+
+def _say_of(stage: str, text: str, *, quiet: bool, verbose: bool) -> None:
+    """What a stage has to say while it runs; an empty text is its start."""
+    if (text or verbose) and not quiet:
+        say(f"{stage}: {text or 'started'}")
+
+
+def _table_of(steps: "list[Step]", work: "dict[str, Job]", outcomes: "list[Outcome]") -> "list[Stage]":
+    """What became of each stage, and the files it has."""
+    return [
+        {
+            "name": step.name,
+            "kind": work[step.name].kind,
+            "status": outcome.fate.value,
+            "files": [str(path) for path in step.writes],
+        }
+        for step, outcome in zip(steps, outcomes, strict=True)
+    ]
+
+
+def _is_all_done(outcomes: "list[Outcome]") -> bool:
+    """Whether all stages have their results."""
+    from hknob_cli.pipeline.build import Fate
+
+    return all(outcome.fate in (Fate.COMPUTED, Fate.UP_TO_DATE) for outcome in outcomes)
+
+
+def _up_to_date(table: "list[Stage]", root: Path) -> "list[Stage]":
+    """Stages that are done as the next run finds them, with their files from the results' folder."""
+    from hknob_cli.pipeline import fresh
+    from hknob_cli.pipeline.build import Fate
+
+    return [
+        {
+            **row,
+            "status": Fate.UP_TO_DATE.value,
+            "files": [fresh.relative(Path(file), root) for file in row["files"]],
+        }
+        for row in table
+    ]
 
 
 def _find_claim(plan: "PipelinePlan", root: Path, asked: str, *, quiet: bool) -> "OneClaim":
