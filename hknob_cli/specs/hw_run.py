@@ -123,25 +123,12 @@ class HwRunSpec(Part):
 
 def validate_hw_run(source: Source) -> HwRunPlan | PulsePlan:
     """A campaign's spec as plain values. Raises `SpecError`."""
-    grip = source.value.get("grip", "none")
-    if not isinstance(grip, dict) and grip != "none":
-        raise SpecError([source.fault(("grip",), "must be 'none', or a mapping with target and band")])
-    grid = source.value.get("grid")
-    if isinstance(grid, dict) and "design" in grid:
-        text = "must be absent: trials are run for every combination of the axes"
-        raise SpecError([source.fault(("grid", "design"), text, at_key=True)])
-    try:
-        spec = HwRunSpec.model_validate(_with_wall(source.value))
-    except ValidationError as error:
-        # A mapping is no 'none', and what is wrong within it says more.
-        wrong = faults_of(source, HwRunSpec, error)
-        raise SpecError([fault for fault in wrong if fault.key != "grip" or not isinstance(grip, dict)]) from None
+    spec = _parsed(source)
     if spec.what == PULSES:
         return plan_pulses(source, spec)
     axes, faults = _axes(source, spec)
     if spec.pulses is not None:
         faults.append(source.fault((PULSES,), "must be absent where what is not pulses", at_key=True))
-    grip = None if spec.grip == "none" else spec.grip
     driver = spec.device.driver
     acting = acting_faults(spec, frozenset(source.value.get("controller") or ()), axes, driver=driver)
     driven = driven_faults(spec, spec.knob or Knob(), virtual=driver == VIRTUAL)
@@ -154,14 +141,38 @@ def validate_hw_run(source: Source) -> HwRunPlan | PulsePlan:
     faults += [source.fault(place, text) for place, text in _model_faults(spec, tries)]
     if faults:
         raise SpecError(faults)
+    plan = _plan_of(source, spec, axes, tries)
+    most = plan.driven.limit_nm
+    return plan._replace(tries=tuple(one._replace(actuator=limited(one.actuator, most)) for one in tries))
+
+
+def _parsed(source: Source) -> HwRunSpec:
+    """A campaign's spec whose values are right, each by itself. Raises `SpecError`."""
+    grip = source.value.get("grip", "none")
+    if not isinstance(grip, dict) and grip != "none":
+        raise SpecError([source.fault(("grip",), "must be 'none', or a mapping with target and band")])
+    grid = source.value.get("grid")
+    if isinstance(grid, dict) and "design" in grid:
+        text = "must be absent: trials are run for every combination of the axes"
+        raise SpecError([source.fault(("grid", "design"), text, at_key=True)])
+    try:
+        return HwRunSpec.model_validate(_with_wall(source.value))
+    except ValidationError as error:
+        # A mapping is no 'none', and what is wrong within it says more.
+        wrong = faults_of(source, HwRunSpec, error)
+        raise SpecError([fault for fault in wrong if fault.key != "grip" or not isinstance(grip, dict)]) from None
+
+
+def _plan_of(source: Source, spec: HwRunSpec, axes: Axes, tries: tuple[Tried, ...]) -> HwRunPlan:
+    """A spec without faults as plain values."""
     folder = Path(source.name).parent
-    plan = HwRunPlan(
+    return HwRunPlan(
         name=spec.name,
         device=spec.device,
         recordings=tuple(folder / name for name in spec.device.recordings or ()),
         tries=tries,
         axes=axes,
-        course=spec.trial._replace(grip=grip),
+        course=spec.trial._replace(grip=None if spec.grip == "none" else spec.grip),
         limits=spec.limits,
         shuffled=spec.order == "random",
         seed=spec.seed,
@@ -181,8 +192,6 @@ def validate_hw_run(source: Source) -> HwRunPlan | PulsePlan:
         motor=spec.motor,
         eddy_brake=spec.eddy_brake,
     )
-    most = plan.driven.limit_nm
-    return plan._replace(tries=tuple(one._replace(actuator=limited(one.actuator, most)) for one in tries))
 
 
 def _with_wall(value: dict[str, Any]) -> dict[str, Any]:
