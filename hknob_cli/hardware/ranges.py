@@ -32,58 +32,91 @@ def faults_of_settings(settings: Settings, identity: Identity) -> list[str]:
         "block_samples": (1, 48),
     }
     above = ("torque_limit_nm", "speed_limit_rad_s")
-    faults = []
+    found = []
     for name, (least, most) in ranges.items():
         value = getattr(settings, name)
         if not least <= value <= most or (name in above and value == 0.0):
             allowed = f"above {least:g}, at most {most:g}" if name in above else f"from {least:g} to {most:g}"
-            faults.append(f"{name} must be {allowed}, got {value:.10g}")
-    if settings.control is not None and not identity.knows_control:
-        faults.append("it runs the plain wall alone, no controller: it does not know CONTROL (docs/reference/wire.md)")
-    elif settings.control is not None:
-        law = Law(settings.control.law)
-        if not identity.laws & law.bit:
-            name = law.name.lower()
-            faults.append(f"it does not have the controller {name}: its firmware is older (docs/reference/wire.md)")
-        if len(begins_of(settings.control)) > 1 and not identity.knows_parts:
-            faults.append(
-                "its torque does not change within a sample interval: its firmware is older (docs/reference/wire.md)"
-            )
-        if senses_speed(settings.control) and not identity.knows_speed:
-            faults.append("it has no sensor of the speed: only the virtual device has")
-        if looks_of(settings.control) and not identity.knows_looks:
-            faults.append("it reads its encoder once a sample: its firmware is older (docs/reference/wire.md)")
-    if (converters := settings.converters) is not None:
-        if not identity.knows_converters:
-            faults.append(
-                "it rounds down, and sends every torque at once: it does not know CONVERTERS (docs/reference/wire.md)"
-            )
-        parts = 1 if settings.over_angle is not None else len(begins_of(settings.control))
-        if room_of(parts, converters.delay_samples) > MOST:
-            faults.append(
-                f"the delay takes {room_of(parts, converters.delay_samples)} torques that are under way, and a target "
-                f"has room for {MOST}"
-            )
-    if settings.over_angle is not None:
-        if not identity.knows_over_angle:
-            faults.append(
-                "it runs the plain wall alone, no torque over the angle: it does not know OVER_ANGLE "
-                "(docs/reference/wire.md)"
-            )
-        if (count := len(settings.over_angle.torques)) > MOST_OVER_ANGLE:
-            faults.append(
-                f"the torque over the angle takes a table of {count} counts, and a target has room for "
-                f"{MOST_OVER_ANGLE}: choose fewer counts, or nearer ends"
-            )
-    if (pulse := settings.pulse) is not None and not faults:
-        if not identity.knows_pulses:
-            faults.append("it fires no pulses: it does not know PULSE (docs/reference/wire.md)")
-        if not 0.0 < pulse.torque_nm <= settings.torque_limit_nm:
-            most = settings.torque_limit_nm
-            faults.append(f"the pulse must be above 0, at most {most:g} N m, got {pulse.torque_nm:.10g}")
-        if not (pulse_of(pulse, settings.interval_s).width - 1) * settings.period_ns < LONGEST_PULSE_NS:
-            faults.append(f"the pulse must last at most {LONGEST_PULSE_NS * 1e-9:g} s, got {pulse.width_s:.10g}")
-    return faults
+            found.append(f"{name} must be {allowed}, got {value:.10g}")
+    found += [*_faults_of_control(settings, identity), *_faults_of_converters(settings, identity)]
+    found += _faults_over_angle(settings, identity)
+    return found or _faults_of_pulse(settings, identity)
+
+
+def _faults_of_control(settings: Settings, identity: Identity) -> list[str]:
+    """What of a controller a target does not have."""
+    control = settings.control
+    if control is None:
+        return []
+    if not identity.knows_control:
+        return ["it runs the plain wall alone, no controller: it does not know CONTROL (docs/reference/wire.md)"]
+    found = []
+    law = Law(control.law)
+    if not identity.laws & law.bit:
+        name = law.name.lower()
+        found.append(f"it does not have the controller {name}: its firmware is older (docs/reference/wire.md)")
+    if len(begins_of(control)) > 1 and not identity.knows_parts:
+        found.append(
+            "its torque does not change within a sample interval: its firmware is older (docs/reference/wire.md)"
+        )
+    if senses_speed(control) and not identity.knows_speed:
+        found.append("it has no sensor of the speed: only the virtual device has")
+    if looks_of(control) and not identity.knows_looks:
+        found.append("it reads its encoder once a sample: its firmware is older (docs/reference/wire.md)")
+    return found
+
+
+def _faults_of_converters(settings: Settings, identity: Identity) -> list[str]:
+    """Whether a target rounds and delays, and has room for the torques that are under way."""
+    converters = settings.converters
+    if converters is None:
+        return []
+    found = []
+    if not identity.knows_converters:
+        found.append(
+            "it rounds down, and sends every torque at once: it does not know CONVERTERS (docs/reference/wire.md)"
+        )
+    parts = 1 if settings.over_angle is not None else len(begins_of(settings.control))
+    if room_of(parts, converters.delay_samples) > MOST:
+        found.append(
+            f"the delay takes {room_of(parts, converters.delay_samples)} torques that are under way, and a target "
+            f"has room for {MOST}"
+        )
+    return found
+
+
+def _faults_over_angle(settings: Settings, identity: Identity) -> list[str]:
+    """Whether a target has a torque over the angle, and room for its table."""
+    if settings.over_angle is None:
+        return []
+    found = []
+    if not identity.knows_over_angle:
+        found.append(
+            "it runs the plain wall alone, no torque over the angle: it does not know OVER_ANGLE "
+            "(docs/reference/wire.md)"
+        )
+    if (count := len(settings.over_angle.torques)) > MOST_OVER_ANGLE:
+        found.append(
+            f"the torque over the angle takes a table of {count} counts, and a target has room for "
+            f"{MOST_OVER_ANGLE}: choose fewer counts, or nearer ends"
+        )
+    return found
+
+
+def _faults_of_pulse(settings: Settings, identity: Identity) -> list[str]:
+    """What is wrong with a torque pulse beside settings that are right."""
+    pulse = settings.pulse
+    if pulse is None:
+        return []
+    found = []
+    if not identity.knows_pulses:
+        found.append("it fires no pulses: it does not know PULSE (docs/reference/wire.md)")
+    if not 0.0 < pulse.torque_nm <= settings.torque_limit_nm:
+        most = settings.torque_limit_nm
+        found.append(f"the pulse must be above 0, at most {most:g} N m, got {pulse.torque_nm:.10g}")
+    if not (pulse_of(pulse, settings.interval_s).width - 1) * settings.period_ns < LONGEST_PULSE_NS:
+        found.append(f"the pulse must last at most {LONGEST_PULSE_NS * 1e-9:g} s, got {pulse.width_s:.10g}")
+    return found
 
 
 def faults_of_simulated(simulated: Simulated) -> list[str]:
