@@ -23,11 +23,24 @@ MOST = 1 << 20  # bytes of a request
 OFTEN = (
     "hknob_cli.cli.app",
     "hknob_cli.cli.main",
+    "hknob_cli.cli.run_done",
     "hknob_cli.cli.stage_run",
+    "hknob_cli.perception.level",
+    "hknob_cli.pipeline.build",
+    "hknob_cli.specs.load",
+    "hknob_cli.specs.promise",
+    "hknob_cli.specs.suggest",
     "filelock",
     "jinja2",
-    "pytask",
     "matplotlib.backends.backend_agg",
+    "multiprocessing.popen_fork",
+    "pandas",  # which pyarrow looks for
+    "pytask",
+    "rich._emoji_codes",
+    "scipy.optimize",
+    "sqlalchemy.dialects.sqlite",
+    "tomli_w",
+    "typer._adapters",
 )
 
 
@@ -91,19 +104,27 @@ def load() -> None:
 
 
 def build() -> None:
-    """Make what libraries put off until it is needed, and each run would make again: models of specs, the commands."""
+    """Make what is put off until it is needed, and each run would make again.
+
+    Models of specs, the commands, the table of units, and digests of the source: it must not change while tests run.
+    """
+    import typer.main
     from PIL import Image
     from pydantic import BaseModel
-    from typer.main import get_command
 
     from hknob_cli.cli.app import app
+    from hknob_cli.results.versions import showing_versions
+    from hknob_cli.specs.units import to_si
 
     models = [BaseModel]
     for model in models:  # grows
         models += model.__subclasses__()
         if model.__module__.startswith("hknob_cli.") and not model.__pydantic_complete__:
             model.model_rebuild()
-    get_command(app)
+    command = typer.main.get_command(app)
+    typer.main.get_command = lambda _app: command
+    to_si("1 ms", "s")
+    showing_versions()
     Image.init()
 
 
