@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from hknob_cli.errors import UsageError
+from hknob_cli.specs.load import load
 from tests.conftest import EXPERIMENTS, SPEC
 
 KNOB = "knob: {inertia: 1.9e-6}"
@@ -89,16 +91,27 @@ BROKEN = {
 
 
 @pytest.mark.parametrize("name", BROKEN)
-def test_broken_spec(name: str, hknob, spec_file, tmp_path: Path) -> None:
+def test_broken_spec(name: str, spec_file, tmp_path: Path) -> None:
     old, new, message = BROKEN[name]
     assert old in SPEC
     path = spec_file(SPEC.replace(old, new, 1))
+    with pytest.raises(UsageError) as caught:
+        load(path, kind="sweep")
+    said = str(caught.value)
+    assert caught.value.exit_code == 2
+    lines = said.splitlines()
+    assert all(re.match(rf"{re.escape(str(path))}:\d+:\d+: ", line) for line in lines), said
+    assert any(message in line for line in lines), said
+    assert [entry.name for entry in tmp_path.iterdir()] == ["spec.yaml"]
+
+
+@pytest.mark.parametrize("name", ["negative", "unknown kind", "wrong unit", "not YAML"])
+def test_the_command_says_the_same(name: str, hknob, spec_file, tmp_path: Path) -> None:
+    path = spec_file(SPEC.replace(*BROKEN[name][:2], 1))
+    with pytest.raises(UsageError) as caught:
+        load(path, kind="sweep")
     done = hknob("sweep", path)
-    assert done.returncode == 2, done.stderr
-    assert done.stdout == ""
-    lines = done.stderr.splitlines()
-    assert all(re.match(rf"{re.escape(str(path))}:\d+:\d+: ", line) for line in lines), done.stderr
-    assert any(message in line for line in lines), done.stderr
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", f"{caught.value}\n")
     assert [entry.name for entry in tmp_path.iterdir()] == ["spec.yaml"]
 
 
