@@ -21,6 +21,7 @@ from hknob_cli.engine.loop import Loop, upper_edge
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.propagator import slowest_rate
 from hknob_cli.engine.sets.polygon import CORNERS
+from hknob_cli.engine.sets.region import Goal
 from hknob_cli.engine.sets.room import RegionRoom
 
 FEWEST_CORNERS, MOST_CORNERS = 32, 128  # of a region that moves: more where it shrinks less from sample to sample
@@ -174,8 +175,8 @@ class RegionFinder:
         while used < samples and monotonic() < self._until:
             if self._stopped():
                 raise StoppedError
-            some = min(SLICE, samples - used)
-            count, taken, far = shrink(room.region, count, most, some, target, ceiling, limits, self._back, room, loop)
+            goal = Goal(min(SLICE, samples - used), target, ceiling)
+            count, taken, far = shrink(room.region, count, most, goal, limits, self._back, room, loop)
             used += int(taken)
             if not target < far < ceiling:
                 break

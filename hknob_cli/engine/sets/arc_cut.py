@@ -5,6 +5,7 @@ point: so an arc is known in closed form, and its parts between edges are found 
 """
 
 from math import sqrt
+from typing import NamedTuple
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.loop import level_of, lower_edge, upper_edge
@@ -15,6 +16,19 @@ NEXT = EPSILON  # apart are phases next to each other
 BISECTIONS, ENOUGH = 60, 12  # evaluations of a phase, and those after which rounding may hide the rest
 STEPS = 12  # evaluations until an arc that crosses an edge at any speed is within rounding of it
 BENT = 0.001  # part of its speed that an arc may lose near an edge; a proof below the root of 2, less 1
+
+
+class Flight(NamedTuple):
+    """The free motion that an arc is told from, at one sample.
+
+    ``dx``, ``dv``: its state of phase 0; ``base``: position of the arc less that of the free motion; ``speed``: along
+    the arc, as `arc_speed` bounds it.
+    """
+
+    dx: float
+    dv: float
+    base: float
+    speed: float
 
 
 def free_motion(t, dx, dv, loop):
@@ -96,14 +110,15 @@ def extent(low, high, dx, dv, loop):
     return least, most
 
 
-def pass_edge(edge, reach, low, high, begin, end, speed, base, dx, dv, loop):
+def pass_edge(edge, reach, low, high, begin, end, flight, loop):
     """Phases at which a monotone arc comes within ``reach`` of an edge, and leaves it; ``(low, high)`` at most.
 
     Taken a little too far apart, never too near. ``begin`` and ``end``: positions of its free motion at either end, of
-    which the edge lies between, or within ``reach``; ``speed``: as `arc_speed` bounds it. Newton's method comes within
-    ``reach`` of the edge. From there the arc goes as far as its slope says, less what it may bend on the way: a step
-    longer in proportion to twice that is long enough, and where it is longer by less than `BENT`, it is taken.
+    which the edge lies between, or within ``reach``. Newton's method comes within ``reach`` of the edge. From there the
+    arc goes as far as its slope says, less what it may bend on the way: a step longer in proportion to twice that is
+    long enough, and where it is longer by less than `BENT`, it is taken.
     """
+    dx, dv, base, speed = flight
     rising = end > begin
     bend = speed * sqrt(loop.beta)
     left, right, phase = low, high, 0.5 * (low + high)
@@ -129,7 +144,7 @@ def pass_edge(edge, reach, low, high, begin, end, speed, base, dx, dv, loop):
     return (comes, leaves) if comes <= leaves else (low, high)
 
 
-def cut(low, high, x, v, speed, base, reach, dx, dv, cuts, loop):
+def cut(low, high, x, v, reach, flight, cuts, loop):
     """Cut an arc at the edges that change the torque; the number of its parts, or -1 where there is no room for them.
 
     Parts are written to ``cuts``, in order along the arc: level, low and high phase. Each takes in what lies within
@@ -140,14 +155,12 @@ def cut(low, high, x, v, speed, base, reach, dx, dv, cuts, loop):
         high: Last phase.
         x: Position of the free motion at the first phase.
         v: Velocity there.
-        speed: As `arc_speed` bounds it.
-        base: Position less that of the free motion.
         reach: Bound on the error of positions.
-        dx: The free motion at the sample, of phase 0.
-        dv: Its velocity.
+        flight: The free motion at the sample.
         cuts: Room for the parts.
         loop: The cell.
     """
+    dx, dv, base = flight.dx, flight.dv, flight.base
     far, far_v = free_motion(high, dx, dv, loop)
     spacing = zero_spacing(loop.alpha, loop.beta)
     turn = float("inf")
@@ -170,7 +183,7 @@ def cut(low, high, x, v, speed, base, reach, dx, dv, cuts, loop):
             comes, leaves = end, end
             if on:
                 edge = upper_edge(level, loop.sense) if step > 0.0 else lower_edge(level, loop.sense)
-                comes, leaves = pass_edge(edge, reach, begin, end, x, to, speed, base, dx, dv, loop)
+                comes, leaves = pass_edge(edge, reach, begin, end, x, to, flight, loop)
             if count > 0 and cuts[3 * count - 3] == level:  # it turned there
                 cuts[3 * count - 1] = leaves
             elif 3 * count + 3 > len(cuts):

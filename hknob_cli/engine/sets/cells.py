@@ -20,6 +20,7 @@ from hknob_cli.engine.sets.arc import (
     begin_arcs,
     follow_arcs,
 )
+from hknob_cli.engine.sets.centre import Start
 from hknob_cli.engine.sets.room import ArcRoom
 
 TOLD = 3  # numbers that are told of a cell: whether its list is complete, its arcs, the error of a share
@@ -46,20 +47,20 @@ def first_patience(skip):
     return max(FEWEST, skip // TRANSIENTS)
 
 
-def follow_cell(loop, x, v, delay, max_samples, tries, most, arcs, known):
+def follow_cell(loop, start, max_samples, tries, most, arcs, known):
     """Follow the clock phases of a cell, for ``most`` samples; ``(state, samples)`` that this call took.
 
     ``tries``: samples that a motion gets at first, 0: all of its own. ``state``: -1 where arcs cannot be followed, 0
     where some still wait, 1 where all have ended.
     """
-    fate, budget, skip, limit = prospect(x, v, max_samples, loop)
+    fate, budget, skip, limit = prospect(start.x, start.v, max_samples, loop)
     if fate != OPEN or not loop.alpha > 0.0 or not loop.beta > 0.0:
         return -1, 0
     if arcs.progress[WAITING] == 0.0:
-        begin_arcs(x, v, delay, first_patience(skip), arcs, loop)
+        begin_arcs(start, first_patience(skip), arcs, loop)
         known.counts[0], known.counts[1], known.counts[2] = 0.0, 0.0, 0.0
     final = tries == 0 or tries >= budget
-    taken = follow_arcs(x, v, delay, budget if final else tries, limit, most, final, arcs, known, loop)
+    taken = follow_arcs(start, budget if final else tries, limit, most, final, arcs, known, loop)
     if arcs.progress[WHOLE] == 0.0:
         return -1, taken
     return (0 if arcs.progress[WAITING] > 0.0 else 1), taken
@@ -100,7 +101,7 @@ def run_arc_cells(cells, first, stop, asked, work, room, out):
             arcs.stack, arcs.rings, arcs.ring[:delay], arcs.spare[:delay], arcs.cuts, arcs.ended, arcs.progress
         )
         left = asked.most - spent + 1
-        state, taken = follow_cell(loop, x, v, delay, asked.max_samples, 0, left, own, known)
+        state, taken = follow_cell(loop, Start(x, v, delay), asked.max_samples, 0, left, own, known)
         spent += taken
         if state == 0:
             return at, rows, samples, 0

@@ -15,6 +15,17 @@ class Scope(NamedTuple):
     limit: float
 
 
+class Start(NamedTuple):
+    """Where the motions of all clock phases begin, at a torque of zero until the first sample.
+
+    ``x``: position, counts; ``v``: velocity, counts per sample; ``delay``: commands under way.
+    """
+
+    x: float
+    v: float
+    delay: int
+
+
 class Trial(NamedTuple):
     """The centre of a ball, which is a trial, and how long all states of the ball have acted alike.
 

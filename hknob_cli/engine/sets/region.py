@@ -6,10 +6,19 @@ comes out is enclosed in a convex region again, with few corners and with all ro
 """
 
 from math import sqrt
+from typing import NamedTuple
 
 from hknob_cli.engine.certificate import EPSILON, distance
 from hknob_cli.engine.loop import interval
 from hknob_cli.engine.sets.polygon import clip, put_box
+
+
+class Goal(NamedTuple):
+    """How far a region is moved on: for ``samples``, or until it lies within ``target`` or beyond ``ceiling`` of 0."""
+
+    samples: int
+    target: float
+    ceiling: float
 
 
 def sort_points(points, count):
@@ -254,15 +263,15 @@ def fill_square(region, radius, loop):
     return 4
 
 
-def shrink(region, count, most, samples, target, ceiling, limits, back, room, loop):
-    """Move a region on for ``samples`` samples, or until it lies within ``target`` or beyond ``ceiling`` of 0.
+def shrink(region, count, most, goal, limits, back, room, loop):
+    """Move a region on as far as its goal says.
 
     ``back``: move it back instead. Returns ``(count, used, far)``: its corners, the samples, and its largest distance
     from 0, infinite where it is not known.
     """
     far = farthest(region, count, loop)
     used = 0
-    while used < samples and target < far < ceiling:
+    while used < goal.samples and goal.target < far < goal.ceiling:
         if back:
             count = trace_back(region, count, most, limits, room, loop)
             if count == 0:

@@ -31,7 +31,7 @@ from hknob_cli.engine.sets import arc, box, cells, lattice, region
 from hknob_cli.engine.sets import known as known_ends
 from hknob_cli.engine.sets.absorbing import RegionFinder, pushes, states_in
 from hknob_cli.engine.sets.cells import first_patience
-from hknob_cli.engine.sets.centre import Scope
+from hknob_cli.engine.sets.centre import Scope, Start
 from hknob_cli.engine.sets.polygon import POLYGON, WEIGHT
 from hknob_cli.engine.sets.room import make_arc_room, make_known, make_polygon_room, make_region_room
 
@@ -79,11 +79,11 @@ class SetEngine(Runner):
         follow, progress = self._of(cells, "follow_cell"), room.progress
         tries, size = (0, SLICE) if self.compiled else (self.patience.samples, SLICE_INTERPRETED)
         alarm = Alarm(time_allowed(seconds, self.patience, compiled=self.compiled))
-        state = 0
+        start, state = Start(x, v, delay_line), 0
         while state == 0 and not alarm.over:
             if self.stopped():
                 raise StoppedError
-            state, _ = follow(loop, x, v, delay_line, max_samples or 0, tries, size, room, known)
+            state, _ = follow(loop, start, max_samples or 0, tries, size, room, known)
         if state == 0:
             waiting = range(int(progress[arc.WAITING]))
             left = sum(room.stack[arc.ARC * k + 1] - room.stack[arc.ARC * k] for k in waiting) or 1.0

@@ -40,12 +40,11 @@ class Script:
         return 4
 
     def shrink(
-        self, region: Any, count: int, most: int, some: int, target: float, ceiling: float,
-        limits: Any, back: bool, room: Any, loop: Loop,
-    ) -> tuple[int, int, float]:  # fmt: skip
-        self.shrunk.append((count, some, target, ceiling, limits, back, loop))
+        self, region: Any, count: int, most: int, goal: Any, limits: Any, back: bool, room: Any, loop: Loop
+    ) -> tuple[int, int, float]:
+        self.shrunk.append((count, *goal, limits, back, loop))
         self.most = most
-        return self.slices.pop(0) if self.slices else (6, min(10, some), target)
+        return self.slices.pop(0) if self.slices else (6, min(10, goal.samples), goal.target)
 
     def area_of(self, region: Any, count: int) -> float:
         return self.areas.pop(0)

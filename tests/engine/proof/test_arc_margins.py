@@ -11,7 +11,7 @@ from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.loop import Loop, make_loop
 from hknob_cli.engine.sets import arc_cut
 from hknob_cli.engine.sets.arc import position_error
-from hknob_cli.engine.sets.arc_cut import BENT, NEXT, arc_speed, cut, free_motion, pass_edge, turn_after
+from hknob_cli.engine.sets.arc_cut import BENT, NEXT, Flight, arc_speed, cut, free_motion, pass_edge, turn_after
 
 from .orbits import DIGITS, Number, plant
 
@@ -81,7 +81,7 @@ def passed(
     """As `cut` calls it."""
     begin, v = free_motion(low, *motion, loop)
     end, _ = free_motion(high, *motion, loop)
-    return pass_edge(edge, reach, low, high, begin, end, arc_speed(begin, v, loop), base, *motion, loop)
+    return pass_edge(edge, reach, low, high, begin, end, Flight(*motion, base, arc_speed(begin, v, loop)), loop)
 
 
 def test_an_edge_is_passed_by_its_reach_and_little_more() -> None:
@@ -158,7 +158,7 @@ def test_an_edge_beyond_the_ends_is_within_reach_of_them() -> None:
 
 def parts_of(low: float, high: float, base: float, reach: float, motion: tuple[float, float], loop: Loop) -> list:
     cuts, (x, v) = [0.0] * 90, free_motion(low, *motion, loop)
-    count = cut(low, high, x, v, arc_speed(x, v, loop), base, reach, *motion, cuts, loop)
+    count = cut(low, high, x, v, reach, Flight(*motion, base, arc_speed(x, v, loop)), cuts, loop)
     return [tuple(cuts[3 * k : 3 * k + 3]) for k in range(count)]
 
 
@@ -219,7 +219,8 @@ def test_there_must_be_room_for_every_part() -> None:
     """Three numbers each."""
     loop = make_loop(1e-9, 1e-12, 1.0, 0.0, 1.0, 0.0, 0.0)
     x, v = free_motion(0.0, *RISING, loop)
+    flight = Flight(*RISING, 0.5, arc_speed(x, v, loop))
     for length, parts in ((9, 2), (6, 2), (5, -1), (3, -1)):
-        assert cut(0.0, 1.0, x, v, arc_speed(x, v, loop), 0.5, 0.125, *RISING, [0.0] * length, loop) == parts
-    assert cut(0.0, 0.125, x, v, arc_speed(x, v, loop), 0.5, 0.125, *RISING, [0.0] * 3, loop) == 1
-    assert cut(0.0, 0.125, x, v, arc_speed(x, v, loop), 0.5, 0.125, *RISING, [0.0] * 2, loop) == -1
+        assert cut(0.0, 1.0, x, v, 0.125, flight, [0.0] * length, loop) == parts
+    assert cut(0.0, 0.125, x, v, 0.125, flight, [0.0] * 3, loop) == 1
+    assert cut(0.0, 0.125, x, v, 0.125, flight, [0.0] * 2, loop) == -1

@@ -16,7 +16,7 @@ from hknob_cli.engine.sets import arc
 from hknob_cli.engine.sets.arc import ARC, COVERED, DONE, PATIENCE, PROGRESS, SHORTEST, SPENT, TAKEN, UNDECIDED, WHOLE
 from hknob_cli.engine.sets.arc_cut import arc_speed, free_motion
 from hknob_cli.engine.sets.ball import CAPTURED, FIRST_REST_TEST, GREW, MEETS_EDGE, OUT_OF_SAMPLES
-from hknob_cli.engine.sets.centre import Trial
+from hknob_cli.engine.sets.centre import Start, Trial
 from hknob_cli.engine.sets.room import ArcRoom
 from tests.engine.sets.loops import known, zeros
 
@@ -55,7 +55,8 @@ class Search:
         )  # fmt: skip
         self.known = known(self.delay)
         self.known.counts[0] = self.rows
-        arc.begin_arcs(ANGLE, VELOCITY, self.delay, more.get("patience", 64), self.room, LOOP)
+        self.start = Start(ANGLE, VELOCITY, self.delay)
+        arc.begin_arcs(self.start, more.get("patience", 64), self.room, LOOP)
         if "span" in more:
             self.room.stack[:2] = more["span"]
 
@@ -69,12 +70,13 @@ class Search:
         return self.balls.pop(0)
 
     def cut(self, *given: Any) -> int:
-        self.cut_at.append((*given[:9],))
+        low, high, x, v, reach, flight, cuts, _ = given
+        self.cut_at.append((low, high, x, v, flight.speed, flight.base, reach, flight.dx, flight.dv))
         parts = self.cuts.pop(0)
         if isinstance(parts, int):
             return parts
         for k, part in enumerate(parts):
-            given[9][3 * k : 3 * k + 3] = part
+            cuts[3 * k : 3 * k + 3] = part
         return len(parts)
 
     def follow(
@@ -95,7 +97,7 @@ class Search:
         return x + 0.5, v + 0.25, error + 0.125, (head + 1) % self.delay if self.delay else head
 
     def run(self, most: int = LONG, budget: int = BUDGET) -> int:
-        return int(arc.follow_arcs(ANGLE, VELOCITY, self.delay, budget, 77.0, most, True, self.room, self.known, LOOP))
+        return int(arc.follow_arcs(self.start, budget, 77.0, most, True, self.room, self.known, LOOP))
 
     def told(self, *names: int) -> list[float]:
         return [self.room.progress[k] for k in names]
@@ -323,6 +325,15 @@ def test_parts_of_an_arc_wait_each_with_its_own_middle(search: Callable[..., Sea
     assert one.shares() == [0.0, 0.25, 0.25, 0.0, 0.0, 0.0]
     assert one.room.ended[:9] == [0.75, 1.0, 2.0, 0.5, 0.75, 1.0, 0.0, 0.5, -1.0]
     assert one.told(UNDECIDED, COVERED, SHORTEST, DONE, TAKEN) == [0.5, 1.0, 0.25, 3.0, 25.0]
+
+
+def test_an_arc_gets_the_samples_that_those_before_it_left(search: Callable[..., Search]) -> None:
+    """Of one call: 20 less 7 and two parts, then less 4 more."""
+    halves = [(-1.0, 0.0, 0.5), (0.0, 0.5, 1.0)]
+    one = search([meets(), says(CAPTURED, 4, row=0), says(OUT_OF_SAMPLES, 7)], cuts=[halves])
+    assert one.run(20) == 20
+    assert [seen["samples"] for seen in one.seen] == [20, 11, 7]
+    assert one.told(arc.WAITING, TAKEN, DONE) == [1.0, 20.0, 1.0]
 
 
 def test_an_arc_that_finds_no_room_ends_the_search(search: Callable[..., Search]) -> None:

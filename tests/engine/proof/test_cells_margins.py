@@ -26,6 +26,7 @@ from hknob_cli.engine.sets.cells import (
     run_arc_cells,
     share_error,
 )
+from hknob_cli.engine.sets.centre import Start
 from hknob_cli.engine.sets.room import ArcRoom
 from tests.engine.sets.loops import known as room_of
 
@@ -66,17 +67,17 @@ class One:
         return self.fate, 1000, 300, 55.0
 
     def begin_arcs(self, *given: Any) -> None:
-        self.begun.append(given[:4])
+        self.begun.append((*given[0], given[1]))
 
     def follow_arcs(self, *given: Any) -> int:
-        self.followed.append(given[:7])
-        given[7].progress[WHOLE], given[7].progress[WAITING] = self.whole, self.left
+        self.followed.append((*given[0], *given[1:5]))
+        given[5].progress[WHOLE], given[5].progress[WAITING] = self.whole, self.left
         return 33
 
     def run(self, tries: int = 0, waiting: float = 0.0, loop: Any = LOOP) -> tuple[Answer, Any]:
         arcs, known = arcs_of(waiting=waiting), room_of(2)
         known.counts[:] = [3.0, 4.0, 5.0]
-        return follow_cell(loop, 2.0, 0.25, 2, 77, tries, 50, arcs, known), known
+        return follow_cell(loop, Start(2.0, 0.25, 2), 77, tries, 50, arcs, known), known
 
 
 def test_a_cell_begins_with_all_phases_and_nothing_known(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -169,14 +170,12 @@ class Run:
         self.room = SimpleNamespace(order=[0.0] * 8, table=[0.0] * 80, lines=[], drive=[0.0] * 100, parts=[5.0] * 36)
         self.out, self.told = [0.0] * (FIELD * more.get("slots", 99)), [9.0] * (TOLD * len(plants))
 
-    def follow_cell(
-        self, loop: Any, x: float, v: float, delay: int, most: int, tries: int, left: int, *rest: Any
-    ) -> Any:
+    def follow_cell(self, loop: Any, start: Any, most: int, tries: int, left: int, *rest: Any) -> Any:
         arcs, known = rest
         assert known is self.known
         assert (len(arcs.ring), len(arcs.spare), arcs.progress is self.arcs.progress) == (2, 2, True)
         self.followed.append((loop.alpha, loop.beta, loop.kappa, loop.gamma, loop.sense, loop.offset, loop.split))
-        self.followed.append((x, v, delay, most, tries, left))
+        self.followed.append((*start, most, tries, left))
         state, taken, rows, undecided, lost = self.states.pop(0)
         arcs.progress[UNDECIDED], arcs.progress[COVERED], arcs.progress[DONE] = undecided, 1.0, 3.0
         arcs.progress[TAKEN], known.counts[0] = 40.0, float(rows)

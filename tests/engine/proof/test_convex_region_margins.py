@@ -12,6 +12,7 @@ from hknob_cli.engine.loop import Loop, interval, make_loop
 from hknob_cli.engine.sets import region as regions
 from hknob_cli.engine.sets.absorbing import Limits
 from hknob_cli.engine.sets.region import (
+    Goal,
     advance,
     area_of,
     drop_side,
@@ -393,13 +394,13 @@ def test_a_region_moves_on_until_it_is_within_or_beyond(monkeypatch: pytest.Monk
                 patch.setattr(regions, "farthest", lambda *_, left=left: left.pop(0))
                 patch.setattr(regions, "trace_back" if back else "advance", move)
                 patch.setattr(regions, "advance" if back else "trace_back", None)
-                count, used, far = shrink(room.region, 4, 9, samples, 0.5, 4.0, LIMITS, back, room, LOOP)
+                count, used, far = shrink(room.region, 4, 9, Goal(samples, 0.5, 4.0), LIMITS, back, room, LOOP)
             assert (count, used, far) == (4 + expected[0], *expected)
             assert calls == list(range(4, 4 + expected[0]))
     with monkeypatch.context() as patch:
         patch.setattr(regions, "farthest", lambda *_: 1.0)
         patch.setattr(regions, "trace_back", lambda *_: 0)
-        assert shrink(room.region, 4, 9, 9, 0.5, 4.0, LIMITS, True, room, LOOP) == (0, 0, inf)
+        assert shrink(room.region, 4, 9, Goal(9, 0.5, 4.0), LIMITS, True, room, LOOP) == (0, 0, inf)
 
 
 def test_sizes_of_a_region() -> None:

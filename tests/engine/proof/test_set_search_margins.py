@@ -52,8 +52,8 @@ class Phases:
         return OPEN, self.budget, 0, 1e6
 
     def __call__(self, *given: Any) -> tuple[int, int]:
-        *numbers, room, known = given
-        self.asked.append(tuple(numbers))
+        loop, start, *numbers, room, known = given
+        self.asked.append((loop, *start, *numbers))
         state, change = self.script.pop(0)
         for at, value in change.items():
             room.progress[at] = value

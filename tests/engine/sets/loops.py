@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from hknob_cli.engine.loop import Loop, make_loop
 from hknob_cli.engine.sets import arc
+from hknob_cli.engine.sets.centre import Start
 from hknob_cli.engine.sets.room import ArcRoom, Known, make_known
 
 
@@ -46,9 +47,10 @@ def follow_all(
     begin, follow = arc.begin_arcs, arc.follow_arcs
     if functions:
         begin, follow = functions["sets.begin_arcs"], functions["sets.follow_arcs"]
-    begin(angle, velocity, delay, patience, room, loop)
+    start = Start(angle, velocity, delay)
+    begin(start, patience, room, loop)
     while room.progress[arc.WAITING] > 0.0:
-        follow(angle, velocity, delay, budget, limit, most, True, room, ends, loop)
+        follow(start, budget, limit, most, True, room, ends, loop)
     told = room.progress
     return (
         int(told[arc.TAKEN]),

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from hknob_cli.engine.loop import Loop, level_of, lower_edge, make_loop, upper_edge
 from hknob_cli.engine.sets.arc_cut import (
     BENT,
+    Flight,
     arc_speed,
     cut,
     extent,
@@ -42,7 +43,7 @@ def cut_arc(
 ) -> int:
     """Parts of an arc between two phases of a free motion."""
     x, v = free_motion(low, dx, dv, loop)
-    return cut(low, high, x, v, arc_speed(x, v, loop), base, reach, dx, dv, cuts, loop)
+    return cut(low, high, x, v, reach, Flight(dx, dv, base, arc_speed(x, v, loop)), cuts, loop)
 
 
 @settings(deadline=None)
