@@ -170,7 +170,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/sets/arc.py": (f"{PROOF}test_general_arc_margins.py",),
     "general/sets/afar.py": (f"{GENERAL_SETS}test_afar.py", f"{GENERAL_SETS}test_afar_limits.py"),
     "general/sets/friction_step.py": (f"{PROOF}test_friction_step_margins.py",),
-    "general/sets/lagged_step.py": (f"{PROOF}test_lagged_step_margins.py",),
+    **{f"general/sets/lagged_{end}.py": (f"{PROOF}test_lagged_step_margins.py",) for end in ("step", "stops")},
     "general/sets/friction_room.py": (
         *(f"{PROOF}test_{name}.py" for name in ("friction_room_margins", "lagged_room_margins", "friction_rounding")),
     ),

@@ -9,7 +9,7 @@ from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.sets.cell import Cell, Centre
 from hknob_cli.engine.general.sets.drift import Drift
 from hknob_cli.engine.general.sets.friction_piece import MOST, SET
-from hknob_cli.engine.general.sets.friction_step import SLID
+from hknob_cli.engine.general.sets.friction_step import SLID, Hold, Room, Shape
 from hknob_cli.engine.general.sets.piece import piece_size
 from hknob_cli.engine.general.sets.room import make_piece_room
 
@@ -48,6 +48,7 @@ def work_of(sets: int = 32, delay: int = 0, looks: int = 0, course: list[float] 
         course=course or [], least=[0.0], sets=zeros((SET + looks) * sets), seen=zeros(looks),
         corners=zeros(8 * MOST + 4), one=zeros(2 * MOST), other=zeros(2 * MOST), space=zeros(8 * MOST + 12),
         line=zeros(3), acts=zeros(3), lags=None, z=zeros(2), ring=zeros(delay), torques=zeros(max(2, delay)),
+        moved=zeros(2), pad=zeros(4),
     )  # fmt: skip
     work.__dict__.update(more)
     return work
@@ -82,14 +83,14 @@ class Motion:
         self.asked: Callable[[Any], tuple[int, list[float] | None]] | None = None
 
     def __call__(
-        self, x: float, v: float, u: float, span: float, s: float, g: float, f: float, corners: Any, count: int,
-        least: float, body: Any, space: Any, line: Any,
-    ) -> tuple[int, float, float, int]:  # fmt: skip
-        self.told.append((x, v, u, span, s, g, f, list(corners[: 2 * count]), least))
+        self, shape: Shape, u: float, hold: Hold, least: float, body: Any, room: Room
+    ) -> tuple[int, float, float, int]:
+        x, v, corners, count = shape
+        self.told.append((x, v, u, *hold, list(corners[: 2 * count]), least))
         fate, after = self.script.pop(0) if self.script else (SLID, None)
         if self.asked is not None:
             fate, after = self.asked(least)
-        line[:] = self.line
+        room.line[:] = self.line
         if after is not None:
             corners[: len(after)] = after
             count = len(after) // 2

@@ -142,7 +142,7 @@ class Halved(Motion):
     """One that asks for a cut through the middle, if it may."""
 
     def __call__(self, *given: Any) -> tuple[int, float, float, int]:
-        corners, count, least = given[7], given[8], given[9]
+        (_, _, corners, count), least = given[0], given[3]
         xs = corners[: 2 * count : 2]
         self.line, self.script = (1.0, 0.0, 0.5 * (min(xs) + max(xs))), [(CUT if least < inf else ENCLOSED, None)]
         return super().__call__(*given)

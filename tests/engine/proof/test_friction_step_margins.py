@@ -22,6 +22,9 @@ from hknob_cli.engine.general.sets.friction_step import (
     NARROW,
     NARROW_SMOOTH,
     SLID,
+    Hold,
+    Room,
+    Shape,
     ask_for_cut,
     excess,
     map_corners,
@@ -42,6 +45,7 @@ Matrix = tuple[tuple[float, float], tuple[float, float]]
 State = tuple[float, float]
 T, BETA, FRICTION = 0.5, 0.25, 1.0  # length of the hold; the spring; friction
 S, G, F = 0.5, 0.125, 0.5
+HOLD = Hold(T, S, G, F)
 BODY: Any = SimpleNamespace(alpha=0.0, beta=BETA, friction=FRICTION, drive=0.0)
 NONE = [inf, -inf] * 4
 
@@ -133,7 +137,7 @@ def test_an_interval_is_widened_by_another() -> None:
 def test_what_slides_moves_by_the_free_response() -> None:
     for t, beta in ((0.5, 0.25), (0.25, 2.0)):
         jac = list(NONE)
-        take_in_slide(*plant(t), beta, jac)
+        take_in_slide(Hold(9.0, *plant(t)), beta, jac)
         assert jac == hull(response(t, beta))
 
 
@@ -152,9 +156,8 @@ def test_what_turns_round_moves_by_less_what_the_jump_takes() -> None:
     for span in (0.5, 0.75):
         for first, last in ((0.25, 0.25), (0.125, 0.375), (0.0, 0.5)):
             for small, large in ((0.5, 0.5), (0.25, 0.75), (0.0, 1.0)):
-                s, g, f = plant(span)
                 jac = list(NONE)
-                take_in_turn(s, g, f, first, last, span, small, large, BODY, jac)
+                take_in_turn(Hold(span, *plant(span)), first, last, small, large, BODY, jac)
                 assert jac == hull(*turned(first, last, small, large, span=span))
 
 
@@ -229,7 +232,8 @@ def side(
         jac, line = list(NONE), [9.0, 9.0, 9.0]
         at = (way * centre[0], way * centre[1])
         corners = [value for x, v in states for value in (way * x - at[0], way * v - at[1])]
-        smooth, spread = take_in_side(way, *at, way * free, T, S, G, F, slack, corners, len(states), BODY, jac, line)
+        shape, room = Shape(*at, corners, len(states)), Room(jac, line, None, None)
+        smooth, spread = take_in_side(way, shape, way * free, slack, HOLD, BODY, room)
         a, b, c = line
         found.append((jac, smooth, spread, [way * a, way * b, c] if line != [9.0, 9.0, 9.0] else line))
     assert found[0][:3] == found[1][:3]
@@ -443,9 +447,10 @@ class Sides:
         patch.setattr(friction_step, "excess", self.excess_of)
         patch.setattr(friction_step, "step_with_friction", self.step)
 
-    def take(self, sign: float, *given: Any) -> Any:
-        *numbers, corners, count, _, jac, line = given
-        self.asked.append((sign, *numbers, list(corners[: 2 * count]), count))
+    def take(self, sign: float, shape: Shape, free: float, slack: float, hold: Hold, _body: Any, room: Room) -> Any:
+        x, v, corners, count = shape
+        jac, line, _, _ = room
+        self.asked.append((sign, x, v, free, *hold, slack, list(corners[: 2 * count]), count))
         take_in(jac, 0, 0.5, 0.5)
         take_in(jac, 1, sign, sign)
         take_in(jac, 2, 0.0, 0.0)
@@ -467,7 +472,8 @@ def moved(
 ) -> tuple[tuple[int, float, float, int], list[float], list[float]]:
     """Move a set by ``(S, G, F)``: what is returned, its corners, and the line."""
     work, line = [*corners, *zeros(200)], [7.0, 7.0, 7.0]
-    fate, to_x, to_v, count = move_set(x, v, u, T, S, G, F, work, len(corners) // 2, least, body, zeros(200), line)
+    shape, room = Shape(x, v, work, len(corners) // 2), Room(zeros(200), line, None, None)
+    fate, to_x, to_v, count = move_set(shape, u, HOLD, least, body, room)
     return (fate, to_x, to_v, count), work[: 2 * count], line
 
 
@@ -669,7 +675,7 @@ def test_only_what_has_no_speed_at_all_is_held(monkeypatch: pytest.MonkeyPatch) 
         one.to = (5.0, to_v)
 
         def take(sign: float, *given: Any, entry: float = entry) -> tuple[bool, float]:
-            jac = given[-2]
+            jac = given[-1].space
             for k, value in enumerate((0.5, 0.0, 0.0, entry)):
                 take_in(jac, k, value, value)
             return True, 0.0

@@ -7,8 +7,9 @@ import pytest
 from hknob_cli.engine.general.sets import friction_piece
 from hknob_cli.engine.general.sets.convex import widest
 from hknob_cli.engine.general.sets.friction_piece import LEG, move_over_part, move_piece
-from hknob_cli.engine.general.sets.friction_step import CUT, ENCLOSED, SLID
-from hknob_cli.engine.general.sets.lagged_step import DEEPEST, LAGS, LATER, LEFT
+from hknob_cli.engine.general.sets.friction_step import CUT, ENCLOSED, SLID, Room, Shape
+from hknob_cli.engine.general.sets.lagged_step import DEEPEST, LATER
+from hknob_cli.engine.general.sets.lagged_stops import LAGS, LEFT, LaggedHold
 from hknob_cli.engine.general.sets.piece import ERROR, SPREAD, STATE, piece_size
 from hknob_cli.engine.general.sets.room import make_piece_room
 
@@ -44,12 +45,10 @@ class Lagged:
         )  # fmt: skip
         self.work.line[:] = [1.0, 0.0, 0.0]
 
-    def __call__(
-        self, x: float, v: float, a: float, apart: float, u: float, part: Any, halve: bool, corners: Any, count: int,
-        least: float, plane: Any, body: Any, space: Any, line: Any, z: Any, pad: Any,
-    ) -> Any:  # fmt: skip
+    def __call__(self, shape: Shape, hold: LaggedHold, least: float, plane: Any, body: Any, room: Room) -> Any:
+        (x, v, _, count), (a, apart, u, part, halve) = shape, hold
         assert (plane, body) == ("plane", BODY)
-        assert (space, line, z, pad) == (self.work.space, self.work.line, self.work.moved, self.work.pad)
+        assert room == (self.work.space, self.work.line, self.work.moved, self.work.pad)
         self.asked.append((a, apart, u, int(part[0]), int(part[1]), halve))
         fate = self.script.pop(0) if self.script else SLID
         if fate in (LATER, CUT):
@@ -137,7 +136,7 @@ def test_without_a_lag_no_torque_goes_along(monkeypatch: pytest.MonkeyPatch) -> 
     plain.order = 3
     one = Lagged(monkeypatch)
     one.work.lags = None
-    monkeypatch.setattr(friction_piece, "move_set", lambda x, v, *rest: (SLID, x + 1.0, v, rest[6]))
+    monkeypatch.setattr(friction_piece, "move_set", lambda shape, *_: (SLID, shape.x + 1.0, shape.v, shape.number))
     found = Moved(one, body=plain)
     assert (found.waiting, found.state, found.spread) == (1, [0.5, 16.0, 0.0], 0.0)
     assert found.error == pytest.approx(found.told, rel=1e-14)

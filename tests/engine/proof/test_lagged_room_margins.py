@@ -18,7 +18,8 @@ from hknob_cli.engine.general.sets.friction_room import (
     make_friction_room,
     plane_of,
 )
-from hknob_cli.engine.general.sets.lagged_step import DEEPEST, LAGS, LATE_V, LATE_X, LEFT, SPAN, F, G, S
+from hknob_cli.engine.general.sets.lagged_step import DEEPEST
+from hknob_cli.engine.general.sets.lagged_stops import LAGS, LATE_V, LATE_X, LEFT, SPAN, F, G, S
 from hknob_cli.engine.general.slide_two import coefficients
 from hknob_cli.engine.turning import zero_spacing
 from tests.engine.general.sets.test_friction_step import body_of

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from hknob_cli.engine.general.sets import friction_step, lagged_step
+from hknob_cli.engine.general.sets import friction_step, lagged_step, lagged_stops
 from hknob_cli.engine.general.sets.convex import widen
 from hknob_cli.engine.general.sets.friction_step import (
     CUT,
@@ -22,6 +22,8 @@ from hknob_cli.engine.general.sets.friction_step import (
     NARROW,
     NARROW_SMOOTH,
     SLID,
+    Room,
+    Shape,
     slide_corners,
     take_in,
 )
@@ -31,9 +33,8 @@ from hknob_cli.engine.general.sets.lagged_step import (
     depth_at,
     move_lagged,
     slides_all_along,
-    take_in_any,
-    take_in_stops,
 )
+from hknob_cli.engine.general.sets.lagged_stops import LaggedHold, take_in_any, take_in_stops
 
 from .friction_work import zeros
 from .test_friction_step_margins import (
@@ -67,7 +68,7 @@ FREE: Any = SimpleNamespace(**{**vars(BODY), "friction": 0.0})
 
 @pytest.fixture(autouse=True)
 def by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in (friction_step, lagged_step):
+    for module in (friction_step, lagged_stops):
         monkeypatch.setattr(module, "coefficients", plant)
         monkeypatch.setattr(module, "first_zero", first_zero)
 
@@ -104,7 +105,7 @@ def test_any_motion_is_a_first_stop_and_all_that_may_come_after_it(beta: float, 
     span, first, last = 0.5, 0.125, 0.375
     (sa, ga, fa), (sb, gb, _) = plant(first), plant(last)
     jac = list(NONE)
-    take_in_any(beta, span, sa, sb, ga, gb, fa, most, jac)
+    take_in_any(plant(first), plant(last), most, span, beta, jac)
     way = beta * span * span
     then = (((1.0 - way, 1.0), (-way * span, span)), ((-beta * span, 0.0), (-way, 1.0)))
     x, v = ((1.0 - beta * gb, 1.0 - beta * ga), (sa, sb)), ((-most * beta * sb, 0.0), (0.0, most * fa))
@@ -129,8 +130,8 @@ def test_no_motion_with_any_number_of_stops_is_left_out() -> None:
         jac = list(NONE)
         # The time of the first stop, to within a step.
         near = [max(0.0, (stops[0] - 1) * span / steps), min(span, (stops[0] + 1) * span / steps)]
-        (sa, ga, fa), (sb, gb, _) = (real(t, alpha, beta) for t in near)
-        take_in_any(beta, span, sa, sb, ga, gb, fa, most, jac)
+        soon, late = (real(t, alpha, beta) for t in near)
+        take_in_any(soon, late, most, span, beta, jac)
         for column, (dx, dv) in enumerate(((1.0, 0.0), (0.0, 1.0))):
             for k in range(steps):
                 if k in stops:
@@ -160,7 +161,7 @@ def test_a_state_slides_where_its_least_torque_would_let_it_or_where_it_ends_so(
             (-slack, -slack, False, True), (nextafter(-slack, -1.0), 1.0, False, False), (1.0, -slack, False, True),
             (1.0, nextafter(-slack, -1.0), False, False), (-1.0, 1.0, True, False), (-slack, 9.0, False, True),
         ):  # fmt: skip
-            assert slides_all_along(sign, pv, 5.0, -7.0, end, rises, PART, slack, BODY) == slides
+            assert slides_all_along(sign, (5.0, pv), -7.0, end, rises, PART, slack, BODY) == slides
         for drive, low_a, px, pv, slides in (
             # F pv + S (low_a + drive - friction - beta px) = -slack
             (0.0, 0.5, 2.0, 1.0 - 2.0 * slack, True), (0.0, 0.5, 2.0, 1.0 - 2.001 * slack, False),
@@ -169,11 +170,11 @@ def test_a_state_slides_where_its_least_torque_would_let_it_or_where_it_ends_so(
             (0.0, 0.5, 4.0, 1.5 - 2.0 * slack, True), (0.0, 0.5, 4.0, 1.5 - 2.001 * slack, False),
         ):  # fmt: skip
             body = pushed(sign * drive)
-            assert slides_all_along(sign, pv, px, low_a, -9.0, True, PART, slack, body) == slides
-            assert slides_all_along(sign, pv, px, low_a, 0.0, False, PART, slack, body)
+            assert slides_all_along(sign, (px, pv), low_a, -9.0, True, PART, slack, body) == slides
+            assert slides_all_along(sign, (px, pv), low_a, 0.0, False, PART, slack, body)
         uneven = [T, 0.25, G, 0.75, LATE_X, LATE_V, LEFT]
         for pv, slides in ((1.0, True), (0.999, False)):  # a quarter of -3
-            assert slides_all_along(sign, pv, 0.0, -2.0, -9.0, True, uneven, 0.0, BODY) == slides
+            assert slides_all_along(sign, (0.0, pv), -2.0, -9.0, True, uneven, 0.0, BODY) == slides
 
 
 # Those that begin in one direction. The torque falls from 9/4 to 2, to 7/4 in the end; or it rises from 7/4 to 2.
@@ -201,10 +202,9 @@ class Stops:
             jac, line = list(NONE), [9.0, 9.0, 9.0]
             x, v = way * centre[0], way * centre[1]
             corners = [value for y, pv in states for value in (way * (self.low - y) / BETA - x, way * pv - v)]
-            smooth, spread, later = take_in_stops(
-                way, x, v, way * a, way * to_a, way * u, part, slack, corners, len(states),
-                pushed(way * drive, friction), jac, line,
-            )  # fmt: skip
+            shape, hold = Shape(x, v, corners, len(states)), LaggedHold(way * a, 0.0, way * u, part, True)
+            body, room = pushed(way * drive, friction), Room(jac, line, None, None)
+            smooth, spread, later = take_in_stops(way, shape, slack, hold, body, room)
             if line[1:] != [0.0, 0.0]:  # else it halves the set's width, in both
                 line = [way * line[0], way * line[1], line[2]]
             lined = line[2] != 9.0
@@ -230,8 +230,7 @@ def near(matrices: list[Matrix]) -> Any:
 
 def any_of(first: float, last: float, most: float) -> list[float]:
     jac = list(NONE)
-    (sa, ga, fa), (sb, gb, _) = plant(first), plant(last)
-    take_in_any(BETA, T, sa, sb, ga, gb, fa, most, jac)
+    take_in_any(plant(first), plant(last), most, T, BETA, jac)
     return jac
 
 
@@ -352,7 +351,7 @@ def test_jumps_are_of_friction_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None
     jumps = [2.0 * friction / (friction - pull) for pull in (least, back)]
     assert found.jac == near(turned(first, last, *jumps))
     for steady, later in ((CHANGE / friction, False), (nextafter(CHANGE / friction, 0.0), True)):
-        monkeypatch.setattr(lagged_step, "STEADY", steady)
+        monkeypatch.setattr(lagged_stops, "STEADY", steady)
         assert Stops((y, pv), friction=friction).later == later
 
 
@@ -522,10 +521,10 @@ def test_half_the_time_tells_more_where_the_torque_changes_by_much(monkeypatch: 
     """And states stop in one half of it, if any; where that is not told otherwise, whatever the torque does."""
     held, unsure = (-1.5, 0.5), (-2.0, 0.5)
     for steady, later in ((CHANGE, False), (nextafter(CHANGE, 0.0), True), (1.0, False)):
-        monkeypatch.setattr(lagged_step, "STEADY", steady)
+        monkeypatch.setattr(lagged_stops, "STEADY", steady)
         assert Stops(held).later == later
         assert Stops(unsure).later
-    monkeypatch.setattr(lagged_step, "STEADY", 0.0)
+    monkeypatch.setattr(lagged_stops, "STEADY", 0.0)
     assert not Stops(held, (-1.5, -0.5)).later  # one that crosses
     assert not Stops(held, (1.0, 1.0)).later  # one that passes
     assert not Stops((1.0, 1.0), held).later
@@ -546,7 +545,7 @@ def test_half_the_time_tells_more_where_the_torque_changes_by_much(monkeypatch: 
 
 
 def test_what_is_a_choice() -> None:
-    assert (lagged_step.STEADY, lagged_step.COARSE) == (0.05, 4.0)
+    assert (lagged_stops.STEADY, lagged_step.COARSE) == (0.05, 4.0)
 
 
 # A set over a part of a hold.
@@ -569,9 +568,10 @@ class Sides:
         patch.setattr(lagged_step, "excess", self.excess_of)
         patch.setattr(lagged_step, "rub_many", self.rub)
 
-    def take(self, sign: float, *given: Any) -> Any:
-        *numbers, corners, count, _, jac, line = given
-        self.asked.append((sign, *numbers, list(corners[: 2 * count]), count))
+    def take(self, sign: float, shape: Shape, slack: float, hold: LaggedHold, _body: Any, room: Room) -> Any:
+        x, v, corners, count = shape
+        (a, _, u, part, _), (jac, line, _, _) = hold, room
+        self.asked.append((sign, x, v, a, u, part, slack, list(corners[: 2 * count]), count))
         for entry, value in enumerate((0.5, sign, 0.0, self.speed)):
             take_in(jac, entry, value, value)
         line[:] = [sign, 2.0 * sign, 4.0]
@@ -592,10 +592,8 @@ def moved(
 ) -> tuple[tuple[int, float, float, float, int], list[float], list[float]]:  # fmt: skip
     """Move a set over the part: what is returned, its corners, and the line."""
     work, line, (a, u) = [*corners, *zeros(200)], [7.0, 7.0, 7.0], torque
-    found = move_lagged(
-        x, v, a, apart, u, PART, halve, work, len(corners) // 2, least, body, WHOLE, zeros(200), line, zeros(3),
-        zeros(6),
-    )  # fmt: skip
+    shape, hold = Shape(x, v, work, len(corners) // 2), LaggedHold(a, apart, u, PART, halve)
+    found = move_lagged(shape, hold, least, body, WHOLE, Room(zeros(200), line, zeros(3), zeros(6)))
     assert found[3] == (a if found[0] in (CUT, LATER) else u + 0.5 * (a - u))
     return found, work[: 2 * found[4]], line
 
@@ -722,7 +720,7 @@ def test_both_sides_are_asked_where_a_set_has_both(monkeypatch: pytest.MonkeyPat
         assert [given[0] for given in one.asked] == ways
         slack = UNIT * (abs(v + 0.125) + 2.25 + 1.5 + 1.0 + 0.25)
         for given in one.asked:
-            assert given[1:9] == (1.5, v, 2.25, 2.0, 1.75, PART, slack, corners)
+            assert given[1:8] == (1.5, v, 2.25, 1.75, PART, slack, corners)
         jac, high_x, high_v, seen, beta = one.seen[0]
         assert (seen, high_x, high_v, beta) == (corners, corners[4] if ways else 9.0, 0.5 if ways else 0.0, BETA)
         if ways:
@@ -747,7 +745,7 @@ def test_what_stands_may_do_anything(monkeypatch: pytest.MonkeyPatch) -> None:
                 assert found[:1] + found[4:] == (found_fate, 2)
                 assert after == corners
                 jac = list(NONE)
-                take_in_any(BETA, T, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, jac)
+                take_in_any((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 1.0, T, BETA, jac)
                 assert one.seen[0][0] == jac
                 assert line == [1.0, 0.0, 0.0 if edge is None else edge - middle]
     way = BETA * T * T

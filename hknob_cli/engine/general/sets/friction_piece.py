@@ -8,8 +8,9 @@ part remembers what it read. States differ in angle and speed alone: a torque th
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.sets.cell import Centre
 from hknob_cli.engine.general.sets.convex import MOST_CORNERS, area_of, drop_edge, keep_side, widen, widest
-from hknob_cli.engine.general.sets.friction_step import CUT, HELD, MOST_CUTS, move_set
-from hknob_cli.engine.general.sets.lagged_step import DEEPEST, LAGS, LATER, LEFT, depth_at, move_lagged
+from hknob_cli.engine.general.sets.friction_step import CUT, HELD, MOST_CUTS, Hold, Room, Shape, move_set
+from hknob_cli.engine.general.sets.lagged_step import DEEPEST, LATER, depth_at, move_lagged
+from hknob_cli.engine.general.sets.lagged_stops import LAGS, LEFT, LaggedHold
 from hknob_cli.engine.general.sets.memory import command_all, first_look, watched
 from hknob_cli.engine.general.sets.piece import SPREAD, halve, put, within
 from hknob_cli.engine.general.sets.readings import acting, highest, lowest, next_level, remembered
@@ -149,32 +150,16 @@ def move_over_part(work, place, count, least, body):
     part, x, v, _ = place
     leg = int(part) * LEG
     u = work.torques[int(work.course[leg + TORQUE])]
+    shape, space = Shape(x, v, work.corners, count), Room(work.space, work.line, work.moved, work.pad)
     if work.lags is None:
-        span, s, g, f = work.course[leg + SPAN], work.course[leg + S], work.course[leg + G], work.course[leg + F]
-        fate, x, v, count = move_set(x, v, u, span, s, g, f, work.corners, count, least, body, work.space, work.line)
+        hold = Hold(work.course[leg + SPAN], work.course[leg + S], work.course[leg + G], work.course[leg + F])
+        fate, x, v, count = move_set(shape, u, hold, least, body, space)
         return fate, x, v, 0.0, count
     at = int(work.halves[int(part)]) + int(work.acts[2]) * LAGS
     for k in range(LAGS):
         work.lag[k] = work.lags[at + k]
-    halve = work.acts[2] < DEEPEST
-    return move_lagged(
-        x,
-        v,
-        work.acts[0],
-        work.acts[1],
-        u,
-        work.lag,
-        halve,
-        work.corners,
-        count,
-        least,
-        work.plane,
-        body,
-        work.space,
-        work.line,
-        work.moved,
-        work.pad,
-    )
+    lagged = LaggedHold(work.acts[0], work.acts[1], u, work.lag, work.acts[2] < DEEPEST)
+    return move_lagged(shape, lagged, least, work.plane, body, space)
 
 
 def end_set(room, work, waiting, place, count, centre, cell):

@@ -14,7 +14,8 @@ from hknob_cli.engine.general.laws.law import TORQUE as LAW_TORQUE
 from hknob_cli.engine.general.sets.drift import POINT, Drift, exponential, product, whole_matrix
 from hknob_cli.engine.general.sets.friction_piece import ACTS, LEG, MOST, SET, SETS, SETS_LOOKED
 from hknob_cli.engine.general.sets.friction_step import parts_of_hold
-from hknob_cli.engine.general.sets.lagged_step import DEEPEST, LAGS
+from hknob_cli.engine.general.sets.lagged_step import DEEPEST
+from hknob_cli.engine.general.sets.lagged_stops import LAGS
 from hknob_cli.engine.general.sets.readings import deepest_level
 from hknob_cli.engine.general.slide_two import coefficients
 from hknob_cli.engine.turning import zero_spacing
@@ -29,7 +30,7 @@ class FrictionRoom(NamedTuple):
     ``course``: parts of an interval, `friction_piece.LEG` numbers each; ``least[0]``: radius below which sets are not
     cut within it; ``torques``: of an interval; ``sets``: that wait within an interval; ``seen``: what one has read
     within it. With a lag ``acts``: the torque of one; ``plane``: the body without
-    lag; ``lags``: halves, and halves of these, of each length that a part has, `lagged_step.LAGS` numbers each, and
+    lag; ``lags``: halves, and halves of these, of each length that a part has, `lagged_stops.LAGS` numbers each, and
     ``halves``: where those of each part begin. Without a lag ``lags`` is None. The others: of one set.
     """
 
@@ -79,7 +80,7 @@ def _course(body: Body, wall: Controller, law: Law | None) -> list[float]:
 
 
 def _halves(body: Body, span: float) -> list[float]:
-    """Numbers of `lagged_step` of a part of a hold of this length, of its half, and of half of each."""
+    """Numbers of `lagged_stops` of a part of a hold of this length, of its half, and of half of each."""
     a = whole_matrix(body)
     plane, rows = plane_of(body), []
     phi, _ = exponential(a, span / 2.0**DEEPEST)

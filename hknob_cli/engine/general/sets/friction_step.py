@@ -14,6 +14,7 @@ enough, the caller is told a line to cut the set by.
 """
 
 from math import sqrt
+from typing import Any, NamedTuple
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.sets.convex import extent, radius_of, recentre, widen
@@ -28,6 +29,40 @@ GROWN = 1.02  # times its radius that the enclosure of a set that stops may meas
 ROUNDED = 256.0
 TURN = 0.25  # radians that the spring turns the motion by in a part of a hold
 MOST_PARTS = 256
+
+
+class Hold(NamedTuple):
+    """A hold of the torque, or a part of one: its length, and the plant's coefficients over it."""
+
+    span: float
+    s: float
+    g: float
+    f: float
+
+
+class Shape(NamedTuple):
+    """A convex set of states: position and velocity of its centre, corners relative to it, and how many these are.
+
+    Corners change in place; there is room for four times as many and two.
+    """
+
+    x: float
+    v: float
+    corners: Any
+    number: int
+
+
+class Room(NamedTuple):
+    """Work space of a motion: ``space``, as much as corners have and eight numbers more; and a ``line``.
+
+    Where a cut is asked for, it is at ``line[0] dx + line[1] dv = line[2]``. ``z``: a state whose torque lags; ``pad``:
+    for its motion.
+    """
+
+    space: Any
+    line: Any
+    z: Any
+    pad: Any
 
 
 def parts_of_hold(span, body):
@@ -51,16 +86,18 @@ def take_in(jac, entry, low, high):
     jac[2 * entry + 1] = max(jac[2 * entry + 1], high)
 
 
-def take_in_slide(s, g, f, beta, jac):
+def take_in_slide(hold, beta, jac):
     """Take in the derivative of states that slide one way all along."""
+    _, s, g, f = hold
     take_in(jac, 0, 1.0 - beta * g, 1.0 - beta * g)
     take_in(jac, 1, s, s)
     take_in(jac, 2, -beta * s, -beta * s)
     take_in(jac, 3, f, f)
 
 
-def take_in_turn(s, g, f, first, last, span, small_jump, jump, body, jac):
+def take_in_turn(hold, first, last, small_jump, jump, body, jac):
     """Take in the derivatives of states that turn round, from ``first`` to ``last``, by jumps of the rate."""
+    span, s, g, f = hold
     beta = body.beta
     sa, _, fa = coefficients(first, body)
     sb, _, fb = coefficients(last, body)
@@ -127,14 +164,16 @@ def map_corners(corners, count, jac):
     return jac[4] == 0.0 and jac[5] == 0.0 and jac[6] == 0.0 and jac[7] == 0.0
 
 
-def take_in_side(sign, x, v, free, span, s, g, f, slack, corners, count, body, jac, line):
-    """Take the derivatives of the states that begin by moving in direction ``sign`` into ``jac``: ``(smooth, spread)``.
+def take_in_side(sign, shape, free, slack, hold, body, room):
+    """Take in the derivatives of the states that begin by moving in direction ``sign``: ``(smooth, spread)``.
 
     ``smooth``: whether no state slides to the end while another stops. ``spread``: how far the times of the stop lie
-    apart, or what is left of the hold with the jumps of rates, whichever is more; ``line``: a, b and c of a line that
-    halves it.
+    apart, or what is left of the hold with the jumps of rates, whichever is more. ``room.space`` has the intervals,
+    ``room.line`` a, b and c of a line that halves the spread.
     """
-    beta, friction = body.beta, body.friction
+    beta, friction, jac, line = body.beta, body.friction, room.space, room.line
+    x, v, corners, count = shape
+    span, s, _, f = hold
     pull_free = sign * free - friction
     slides, late, stops, crosses = False, False, False, False
     first, last = span, 0.0
@@ -163,7 +202,7 @@ def take_in_side(sign, x, v, free, span, s, g, f, slack, corners, count, body, j
         first, stops = 0.0, True
         slides = slides or high_y >= 0.0
     if slides or not stops:
-        take_in_slide(s, g, f, beta, jac)
+        take_in_slide(hold, beta, jac)
     if not stops:
         return True, 0.0
     if slides or late:
@@ -177,7 +216,7 @@ def take_in_side(sign, x, v, free, span, s, g, f, slack, corners, count, body, j
         small_jump = 2.0 * friction / (friction - least)
         if most < -friction:
             jump = 2.0 * friction / (friction - most)
-        take_in_turn(s, g, f, first, last, span, small_jump, jump, body, jac)
+        take_in_turn(hold, first, last, small_jump, jump, body, jac)
     if most >= -friction:
         take_in_hold(sa, ga, sb, gb, beta, jac)
     # Lines: v = 0, the states that stop as the hold ends, those that stop halfway, or half the width.
@@ -196,30 +235,68 @@ def take_in_side(sign, x, v, free, span, s, g, f, slack, corners, count, body, j
     return not (slides or (crosses and least < -friction)), max(times, jumps)
 
 
-def move_set(x, v, u, span, s, g, f, corners, count, least, body, space, line):
-    """Move a set over a hold of length ``span`` under the command ``u``; ``(s, g, f)``: the plant's coefficients.
+def take_in_standing(shape, low_x, free, hold, body, room):
+    """Take in the derivatives of states that all stand: some are held, others leave, and a line parts them."""
+    jac, line, beta, friction = room.space, room.line, body.beta, body.friction
+    _, s, g, f = hold
+    take_in(jac, 0, 1.0 - beta * g, 1.0)
+    take_in(jac, 1, s, s)
+    take_in(jac, 2, -beta * s, 0.0)
+    take_in(jac, 3, f, f)
+    edge = free - friction if free - beta * (shape.x + low_x) > friction else free + friction
+    line[0], line[1], line[2] = 1.0, 0.0, edge / beta - shape.x
 
-    Args:
-        x: Position of its centre, counts.
-        v: Velocity of its centre, counts per sample.
-        u: Command.
-        span: Of the hold; its velocity response ``f`` is not negative.
-        s: Coefficient of the hold.
-        g: Coefficient of the hold.
-        f: Coefficient of the hold.
-        corners: Relative to the centre; changed in place, room for four times ``count`` and two.
-        count: Of corners.
-        least: Radius below which nothing is cut.
-        body: The body, of second order with friction, and held by a spring.
-        space: Work space, as much as ``corners`` and eight numbers more.
-        line: Three numbers: where a cut is asked for, that at ``line[0] dx + line[1] dv = line[2]``.
 
-    Returns ``(fate, x, v, count)``. If the fate is `CUT`, nothing has moved; if it is `HELD`, all velocities are 0,
-    with no error.
+def take_in_all(shape, box, free, slack, hold, body, room):
+    """Leave the derivatives of all states of a set in ``room.space``; whether its motion is smooth.
+
+    ``box``: the rectangle around it, `convex.extent`. The line is that of the side that is not smooth or spreads more.
     """
-    beta, friction = body.beta, body.friction
-    free = u + body.drive
-    slack = ROUNDED / 8.0 * EPSILON * (abs(v) + abs(free) + friction + beta * abs(x))
+    jac, line = room.space, room.line
+    low_x, _, low_v, high_v = box
+    for entry in range(4):
+        jac[2 * entry], jac[2 * entry + 1] = float("inf"), -float("inf")
+    smooth, spread = True, 0.0
+    rises, falls = shape.v + high_v > 0.0, shape.v + low_v < 0.0
+    if rises:
+        smooth, spread = take_in_side(1.0, shape, free, slack, hold, body, room)
+    if falls:
+        a, b, c = line[0], line[1], line[2]
+        also, other = take_in_side(-1.0, shape, free, slack, hold, body, room)
+        if also and (not smooth or other < spread):
+            line[0], line[1], line[2] = a, b, c
+        smooth = smooth and also
+    if not rises and not falls:
+        take_in_standing(shape, low_x, free, hold, body, room)
+        smooth = False
+    return smooth
+
+
+def enclose_set(shape, u, slack, hold, least, body, room):
+    """Move a set some of which may stop within the hold: as `move_set`, which tells what else may be."""
+    x, v, corners, count = shape
+    beta = body.beta
+    cx, cv = recentre(corners, count)
+    middle = Shape(x + cx, v + cv, corners, count)
+    box = extent(corners, count)
+    radius = radius_of(corners, count, beta)
+    smooth = take_in_all(middle, box, u + body.drive, slack, hold, body, room)
+    more_x, more_v, wider, grown = excess(room.space, box[1], box[3], corners, count, beta)
+    narrow = NARROW_SMOOTH if smooth else NARROW
+    if not (wider <= narrow * radius or radius <= least or (smooth and grown <= GROWN * radius)):
+        ask_for_cut(corners, count, cx, cv, room.line)
+        return CUT, x, v, count
+    stuck = map_corners(corners, count, room.space)
+    to_x, to_v = step_with_friction(middle.x, middle.v, u, hold.span, hold.s, hold.g, hold.f, body)
+    if more_x > 0.0 or more_v > 0.0:
+        count = widen(corners, count, more_x, more_v, room.space)
+    return (HELD if stuck and to_v == 0.0 else ENCLOSED), to_x, to_v, count
+
+
+def motion_of_all(shape, free, slack, hold, body):
+    """What all states of a set do, if it is the same: ``(up, down, held)``, sliding to the end one way, or held."""
+    x, v, corners, count = shape
+    beta, friction, s, f = body.beta, body.friction, hold.s, hold.f
     up, down, held = True, True, True
     for k in range(count):
         pv = v + corners[2 * k + 1]
@@ -227,44 +304,26 @@ def move_set(x, v, u, span, s, g, f, corners, count, least, body, space, line):
         up = up and pv >= -slack and f * pv + s * (pull - friction) >= -slack
         down = down and pv <= slack and f * pv + s * (pull + friction) <= slack
         held = held and pv == 0.0 and abs(pull) <= friction
+    return up, down, held
+
+
+def move_set(shape, u, hold, least, body, room):
+    """Move a set over a hold, whose velocity response is not negative, under the command ``u``.
+
+    ``least``: radius below which nothing is cut; ``body``: of second order with friction, and held by a spring.
+    Returns ``(fate, x, v, count)``. If the fate is `CUT`, nothing has moved; if it is `HELD`, all velocities are 0,
+    with no error.
+    """
+    x, v, corners, count = shape
+    beta, friction = body.beta, body.friction
+    free = u + body.drive
+    slack = ROUNDED / 8.0 * EPSILON * (abs(v) + abs(free) + friction + beta * abs(x))
+    up, down, held = motion_of_all(shape, free, slack, hold, body)
     if held:
         return HELD, x, v, count
     if up or down or friction == 0.0:
+        _, s, g, f = hold
         y = free - (friction if up else -friction) - beta * x
         slide_corners(corners, count, s, g, f, beta)
         return SLID, x + (s * v + g * y), f * v + s * y, count
-    cx, cv = recentre(corners, count)
-    mid_x, mid_v = x + cx, v + cv
-    low_x, high_x, low_v, high_v = extent(corners, count)
-    radius = radius_of(corners, count, beta)
-    for entry in range(4):
-        space[2 * entry], space[2 * entry + 1] = float("inf"), -float("inf")
-    smooth, spread = True, 0.0
-    rises, falls = mid_v + high_v > 0.0, mid_v + low_v < 0.0
-    if rises:
-        smooth, spread = take_in_side(1.0, mid_x, mid_v, free, span, s, g, f, slack, corners, count, body, space, line)
-    if falls:
-        a, b, c = line[0], line[1], line[2]
-        also, other = take_in_side(-1.0, mid_x, mid_v, free, span, s, g, f, slack, corners, count, body, space, line)
-        if also and (not smooth or other < spread):
-            line[0], line[1], line[2] = a, b, c
-        smooth = smooth and also
-    if not rises and not falls:
-        # All stand: some are held, others leave.
-        take_in(space, 0, 1.0 - beta * g, 1.0)
-        take_in(space, 1, s, s)
-        take_in(space, 2, -beta * s, 0.0)
-        take_in(space, 3, f, f)
-        edge = free - friction if free - beta * (mid_x + low_x) > friction else free + friction
-        line[0], line[1], line[2] = 1.0, 0.0, edge / beta - mid_x
-        smooth = False
-    more_x, more_v, wider, grown = excess(space, high_x, high_v, corners, count, beta)
-    narrow = NARROW_SMOOTH if smooth else NARROW
-    if not (wider <= narrow * radius or radius <= least or (smooth and grown <= GROWN * radius)):
-        ask_for_cut(corners, count, cx, cv, line)
-        return CUT, x, v, count
-    stuck = map_corners(corners, count, space)
-    to_x, to_v = step_with_friction(mid_x, mid_v, u, span, s, g, f, body)
-    if more_x > 0.0 or more_v > 0.0:
-        count = widen(corners, count, more_x, more_v, space)
-    return (HELD if stuck and to_v == 0.0 else ENCLOSED), to_x, to_v, count
+    return enclose_set(shape, u, slack, hold, least, body, room)

@@ -9,7 +9,18 @@ from hypothesis import strategies as st
 
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.sets.convex import MOST_CORNERS, keep_side, radius_of
-from hknob_cli.engine.general.sets.friction_step import CUT, ENCLOSED, HELD, MOST_CUTS, SLID, move_set, parts_of_hold
+from hknob_cli.engine.general.sets.friction_step import (
+    CUT,
+    ENCLOSED,
+    HELD,
+    MOST_CUTS,
+    SLID,
+    Hold,
+    Room,
+    Shape,
+    move_set,
+    parts_of_hold,
+)
 from hknob_cli.engine.general.slide_two import coefficients, step_with_friction
 from hknob_cli.scene.general_knob import make_body
 from hknob_cli.specs.plan import Actuator, Bias, Hand, Knob, Scene, Wall
@@ -41,13 +52,20 @@ bodies = st.builds(
 )
 
 
+def move(
+    x: float, v: float, u: float, hold: Hold, work: list[float], count: int, least: float, body: Body, line: list[float]
+) -> tuple[int, float, float, int]:
+    """Move a set by `move_set`, with work space of its own."""
+    return move_set(Shape(x, v, work, count), u, hold, least, body, Room(zeros(ROOM + 8), line, None, None))
+
+
 def move_all(
     x: float, v: float, u: float, corners: list[float], body: Body, least: float
 ) -> list[tuple[int, float, float, list[float]]]:
     """Move a set over one period, cut where that is asked for: ``(fate, x, v, corners)`` of each part."""
     n = parts_of_hold(1.0, body)
     assert n > 0
-    s, g, f = coefficients(1.0 / n, body)
+    hold = Hold(1.0 / n, *coefficients(1.0 / n, body))
     waiting, done = [(0, 0, SLID, x, v, list(corners))], []
     while waiting:
         part, cuts, fate, x, v, own = waiting.pop()
@@ -57,21 +75,8 @@ def move_all(
         count = len(own) // 2
         work = own + zeros(ROOM)
         line = zeros(3)
-        fate, to_x, to_v, after = move_set(
-            x,
-            v,
-            u,
-            1.0 / n,
-            s,
-            g,
-            f,
-            work,
-            count,
-            least if cuts < MOST_CUTS else float("inf"),
-            body,
-            zeros(ROOM + 8),
-            line,
-        )
+        limit = least if cuts < MOST_CUTS else float("inf")
+        fate, to_x, to_v, after = move(x, v, u, hold, work, count, limit, body, line)
         if fate != CUT:
             waiting.append((part + 1, 0, fate, to_x, to_v, work[: 2 * after]))
             continue
@@ -87,9 +92,7 @@ def move_all(
             waiting += [(part, cuts + 1, fate, x, v, side) for side in sides]
         else:
             # Within rounding of the line: the enclosure is taken as it is.
-            fate, to_x, to_v, after = move_set(
-                x, v, u, 1.0 / n, s, g, f, work, count, float("inf"), body, zeros(ROOM + 8), line
-            )
+            fate, to_x, to_v, after = move(x, v, u, hold, work, count, float("inf"), body, line)
             assert fate in (ENCLOSED, HELD)
             waiting.append((part + 1, 0, fate, to_x, to_v, work[: 2 * after]))
         assume(len(waiting) + len(done) < 5000)  # a stiff hold may take more, for it is cut without end here
@@ -192,9 +195,8 @@ def test_no_state_is_lost_without_a_cut(
     s, g, f = coefficients(1.0 / n, body)
     count = len(corners) // 2
     work = corners + zeros(ROOM)
-    fate, to_x, to_v, after = move_set(
-        x, v, u, 1.0 / n, s, g, f, work, count, float("inf"), body, zeros(ROOM + 8), zeros(3)
-    )
+    hold = Hold(1.0 / n, s, g, f)
+    fate, to_x, to_v, after = move(x, v, u, hold, work, count, float("inf"), body, zeros(3))
     assert fate != CUT
     size = radius_of(corners, count, 1.0)
     slack = 1e-11 * (1.0 + abs(x) + abs(v) + u + size) * (1.0 + 1.0 / sqrt(body.beta))
@@ -210,7 +212,7 @@ def test_what_slides_moves_by_one_matrix() -> None:
     body = body_of(0.2, 0.05, 0.1, 0.0)
     s, g, f = coefficients(0.5, body)
     work = [-0.1, -0.1, 0.1, -0.1, 0.1, 0.1, -0.1, 0.1, *zeros(ROOM)]
-    fate, x, v, count = move_set(0.0, 3.0, 0.0, 0.5, s, g, f, work, 4, 0.0, body, zeros(ROOM), zeros(3))
+    fate, x, v, count = move(0.0, 3.0, 0.0, Hold(0.5, s, g, f), work, 4, 0.0, body, zeros(3))
     assert (fate, count) == (SLID, 4)
     assert (x, v) == step_with_friction(0.0, 3.0, 0.0, 0.5, s, g, f, body)
     expected = [0.1 * (a * (1.0 - 0.05 * g) + b * s) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
@@ -220,13 +222,13 @@ def test_what_slides_moves_by_one_matrix() -> None:
 def test_what_sticks_has_no_velocity_and_stays() -> None:
     """A set that stops within the hold becomes a segment at exactly 0, which the next hold leaves alone."""
     body = body_of(0.2, 0.05, 1.0, 0.0)
-    s, g, f = coefficients(0.5, body)
+    hold = Hold(0.5, *coefficients(0.5, body))
     work = [-0.1, -0.01, 0.1, -0.01, 0.1, 0.01, -0.1, 0.01, *zeros(ROOM)]
-    fate, x, v, count = move_set(0.0, 0.1, 0.0, 0.5, s, g, f, work, 4, 0.0, body, zeros(ROOM), zeros(3))
+    fate, x, v, count = move(0.0, 0.1, 0.0, hold, work, 4, 0.0, body, zeros(3))
     assert (fate, v, count) == (HELD, 0.0, 2)
     assert work[1:4:2] == [0.0, 0.0]
     again = list(work)
-    assert move_set(x, v, 0.0, 0.5, s, g, f, again, 2, 0.0, body, zeros(ROOM), zeros(3)) == (HELD, x, 0.0, 2)
+    assert move(x, v, 0.0, hold, again, 2, 0.0, body, zeros(3)) == (HELD, x, 0.0, 2)
     assert again == work
 
 
@@ -238,7 +240,7 @@ def test_the_enclosure_of_a_small_set_is_narrow() -> None:
     for size in (1e-2, 1e-5):
         work = [-size, -size, size, -size, size, size, -size, size, *zeros(ROOM)]
         x, v = -8.0, -0.03
-        fate, _, _, count = move_set(x, v, 0.0, 0.25, s, g, f, work, 4, float("inf"), body, zeros(ROOM), zeros(3))
+        fate, _, _, count = move(x, v, 0.0, Hold(0.25, s, g, f), work, 4, float("inf"), body, zeros(3))
         assert fate == ENCLOSED
         ends = [
             step_with_friction(x + a * size, v + b * size, 0.0, 0.25, s, g, f, body) for a in (-1, 1) for b in (-1, 1)

@@ -12,8 +12,18 @@ from hknob_cli.engine.general.advance import rub_many
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.sets.convex import keep_side, radius_of
 from hknob_cli.engine.general.sets.friction_room import _halves, plane_of
-from hknob_cli.engine.general.sets.friction_step import CUT, ENCLOSED, HELD, MOST_CUTS, SLID, parts_of_hold
-from hknob_cli.engine.general.sets.lagged_step import DEEPEST, LAGS, LATER, depth_at, move_lagged
+from hknob_cli.engine.general.sets.friction_step import (
+    CUT,
+    ENCLOSED,
+    HELD,
+    MOST_CUTS,
+    SLID,
+    Room,
+    Shape,
+    parts_of_hold,
+)
+from hknob_cli.engine.general.sets.lagged_step import DEEPEST, LATER, depth_at, move_lagged
+from hknob_cli.engine.general.sets.lagged_stops import LAGS, LaggedHold
 from tests.engine.general.sets.test_friction_step import ROOM, body_of, inside_of, shapes
 from tests.engine.sets.loops import zeros
 from tests.engine.sets.test_polygon import states_of
@@ -58,6 +68,10 @@ class Part(NamedTuple):
     own: list[float]
 
 
+def room_of(line: list[float]) -> Room:
+    return Room(zeros(ROOM + 8), line, zeros(3), zeros(6))
+
+
 class Mover:
     """Moves sets of a body over a period under the command ``u``, as `friction_piece` does."""
 
@@ -70,10 +84,9 @@ class Mover:
     def move(self, one: Part, least: float) -> Part:
         """One part of the interval on."""
         work, numbers = one.own + zeros(ROOM), self.lags[one.depth * LAGS : (one.depth + 1) * LAGS]
-        fate, x, v, a, count = move_lagged(
-            one.x, one.v, one.a, 0.0, self.u, numbers, one.depth < DEEPEST, work, len(one.own) // 2, least, self.plane,
-            self.body, zeros(ROOM + 8), self.line, zeros(3), zeros(6),
-        )  # fmt: skip
+        shape = Shape(one.x, one.v, work, len(one.own) // 2)
+        hold = LaggedHold(one.a, 0.0, self.u, numbers, one.depth < DEEPEST)
+        fate, x, v, a, count = move_lagged(shape, hold, least, self.plane, self.body, room_of(self.line))
         if fate in (CUT, LATER):
             return one._replace(fate=fate)
         then = one.at + 0.5**one.depth
@@ -148,10 +161,8 @@ def test_no_state_is_lost_without_a_cut(
     numbers = _halves(body, 1.0 / n)[depth * LAGS : (depth + 1) * LAGS]
     count = len(corners) // 2
     work = corners + zeros(ROOM)
-    fate, to_x, to_v, to_a, after = move_lagged(
-        x, v, a, 0.0, u, numbers, False, work, count, float("inf"), plane, body, zeros(ROOM + 8), zeros(3), zeros(3),
-        zeros(6),
-    )  # fmt: skip
+    shape, hold = Shape(x, v, work, count), LaggedHold(a, 0.0, u, numbers, False)
+    fate, to_x, to_v, to_a, after = move_lagged(shape, hold, float("inf"), plane, body, room_of(zeros(3)))
     assert fate not in (CUT, LATER)
     size = radius_of(corners, count, 1.0)
     slack = 1e-10 * (1.0 + abs(x) + abs(v) + a + u + size) * (1.0 + 1.0 / sqrt(body.beta))
@@ -175,9 +186,8 @@ def test_what_slides_moves_as_a_trial_does() -> None:
             numbers = _halves(body, 0.5)[depth * LAGS : (depth + 1) * LAGS]
             x, v, a, u = chance.uniform(-1, 1), chance.uniform(2.0, 4.0), *chance.uniform(0.0, 1.0, 2)
             work = [-0.1, -0.1, 0.1, -0.1, 0.1, 0.1, -0.1, 0.1, *zeros(ROOM)]
-            fate, to_x, to_v, to_a, count = move_lagged(
-                x, v, a, 0.0, u, numbers, True, work, 4, 0.0, plane, body, zeros(ROOM), zeros(3), zeros(3), zeros(6)
-            )
+            shape, hold = Shape(x, v, work, 4), LaggedHold(a, 0.0, u, numbers, True)
+            fate, to_x, to_v, to_a, count = move_lagged(shape, hold, 0.0, plane, body, room_of(zeros(3)))
             assert (fate, count) == (SLID, 4)
             z = [x, v, a]
             rub_many(z, u, numbers[0], body, zeros(6))
