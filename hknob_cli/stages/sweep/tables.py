@@ -15,16 +15,13 @@ from hknob_cli.engine.outcome import WORDS, Outcome, Reason
 from hknob_cli.measure.orbit import OrbitMeasures
 from hknob_cli.results.arrays import join_columns, spell
 from hknob_cli.results.columns import (
-    ANYWHERE,
     BEHIND,
     CELLS,
     CONTACT,
-    EVERY_START,
     FRICTION,
     GROWTH,
     JITTER,
     JITTER_MAX,
-    ONE_START,
     ORBITS,
     PEOPLE,
     PLAY,
@@ -36,9 +33,10 @@ from hknob_cli.results.columns import (
 from hknob_cli.scene.sampled_cells import hands_of
 from hknob_cli.scene.torque_over_angle import is_shaped
 from hknob_cli.specs.cells import WHOLE
+from hknob_cli.specs.perception import Perceive
 from hknob_cli.specs.plan import COUNTS, PERSON, SweepPlan, knob_counts, may_jitter, may_roam, may_yield, scene_at
 from hknob_cli.stages.sweep.cell import CellResult, may_bounce
-from hknob_cli.stages.sweep.every_start import INCOMPLETE, why_incomplete
+from hknob_cli.stages.sweep.starts_columns import starts_columns
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.int64]
@@ -133,6 +131,7 @@ def joined(found: Sequence[SweepTables]) -> SweepTables:
 def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
     """One row per cell."""
     columns: tuple[Column, ...] = CELLS
+    some: tuple[Column, ...]
     more: dict[str, list[Any]] = {}
     if may_bounce(plan):
         columns, more = (*CELLS, *GROWTH), _growth(results)
@@ -142,33 +141,27 @@ def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
             columns, more = (*columns, *some), more | {some[0].name: [float(np.fmax.reduce(one)) for one in every]}
     more |= {"clock_bound_rad": [one.clock_bound for one in results]} if may_jitter(plan) else {}
     if not plan.starts.sampled and plan.scene.sampled:
-        columns = (*columns, *EVERY_START)
-        more |= {"complete": [one.complete for one in results], "piece_count": [one.pieces for one in results]}
-        why = why_incomplete(more["complete"], more["piece_count"], [one.why for one in results], plan.starts)
-        more["incomplete_reason"] = spell(INCOMPLETE, why)
-        if plan.starts.many:
-            more["undecided_fraction"] = [_undecided(one) for one in results]
-        else:
-            columns = (*columns, *ONE_START)
-            more["share_error"] = [one.share_error for one in results]
-        if plan.starts.anywhere:
-            columns = (*columns, *ANYWHERE)
-            both = [(*(one.region or (None, None)), *(one.grows or (None, None))) for one in results]
-            more |= {
-                column.name: list(values) for column, values in zip(ANYWHERE, zip(*both, strict=True), strict=True)
-            }
+        some, values = starts_columns(plan, results)
+        columns, more = (*columns, *some), more | values
     if plan.perceive:
-        from hknob_cli.results.columns import cell_columns
-        from hknob_cli.stages.sweep.perceived import cell_row
-
-        columns = (*columns, *cell_columns(gained=plan.perceive.gained, counted=_is_counted(plan)))
-        rows = []
-        for result in results:
-            total = sum(one.trials for one in result.attractors)
-            shares = [one.trials / total for one in result.attractors]
-            rows.append(cell_row(result.perceived, shares, plan.perceive, _step_db(plan, result)))
-        more |= _turned(rows)
+        some, values = _perceived_columns(plan, plan.perceive, results)
+        columns, more = (*columns, *some), more | values
     return lay_out_cells(plan, _axes(plan, results), in_columns(results), columns, more)
+
+
+def _perceived_columns(
+    plan: SweepPlan, perceive: Perceive, results: Sequence[CellResult]
+) -> tuple[tuple[Column, ...], dict[str, list[Any]]]:
+    """Columns of how cells feel, and their values."""
+    from hknob_cli.results.columns import cell_columns
+    from hknob_cli.stages.sweep.perceived import cell_row
+
+    rows = []
+    for result in results:
+        total = sum(one.trials for one in result.attractors)
+        shares = [one.trials / total for one in result.attractors]
+        rows.append(cell_row(result.perceived, shares, perceive, _step_db(plan, result)))
+    return tuple(cell_columns(gained=perceive.gained, counted=_is_counted(plan))), _turned(rows)
 
 
 def orbits_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
@@ -294,14 +287,6 @@ def _step_db(plan: SweepPlan, result: CellResult) -> float:
     if plan.perceive is None or not _is_counted(plan) or is_shaped(scene):
         return nan
     return step_db(plan.perceive, stiffness=scene.wall.stiffness, counts=knob_counts(scene, result.cell))
-
-
-def _undecided(result: CellResult) -> float:
-    """Bound on the share of starts without a proven end; where some were drawn, the share of those."""
-    if result.undecided is not None:
-        return result.undecided
-    unknown = sum(one.trials for one in result.attractors if one.outcome is Outcome.UNDECIDED)
-    return unknown / sum(one.trials for one in result.attractors)
 
 
 def _has_friction(plan: SweepPlan) -> bool:
