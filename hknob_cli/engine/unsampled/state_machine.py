@@ -47,6 +47,13 @@ def heading(n, edge, u, loop):
     return n, 0.0
 
 
+def set_off(n, edge, u, v, loop):
+    """Where a knob goes, which moves or does not: ``(n, way)``."""
+    if v == 0.0:
+        return heading(n, edge, u, loop)
+    return n, (1.0 if v > 0.0 else -1.0)
+
+
 def move_on(n, edge, u, v, way, goal, loop):
     """The next event: ``(kind, n, edge, u, v, time)``, the state as it is just after it.
 
@@ -74,10 +81,7 @@ def move_on(n, edge, u, v, way, goal, loop):
 
 def time_to(n, edge, u, v, goal, loop):
     """Time from a state to the position ``goal``, which is ahead, before the motion turns."""
-    if v == 0.0:
-        n, way = heading(n, edge, u, loop)
-    else:
-        way = 1.0 if v > 0.0 else -1.0
+    n, way = set_off(n, edge, u, v, loop)
     total = 0.0
     while way * (goal - (edge + u)) > 0.0:
         kind, n, edge, u, v, t = move_on(n, edge, u, v, way, goal, loop)
