@@ -1,5 +1,6 @@
 """Every start at once: sets of states followed as exactly as single trials, cut only where a count edge parts them.
 
+- `centre` what is handed on: trials, the state a polygon is told from, how far motions go
 - `ball` a set of states sample by sample, `known` what captures it, `arc` all clock phases, `arc_cut` where they
   cross edges, `polygon` and `box` all starts in a range, `lattice` merges, `region` and `absorbing` what all motions
   come into, `cells` many cells at once, `search` them all

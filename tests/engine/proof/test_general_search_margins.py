@@ -495,7 +495,7 @@ def test_functions_and_room_are_compiled_or_plain(monkeypatch: pytest.MonkeyPatc
 def test_lists_are_arrays_where_it_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
     drift = Drift(powers=[1.0], once=[2.0], units=[3.0], blur=4.0, coast=5.0, bottom=-inf)
     monkeypatch.setattr(search, "make_drift", lambda *_: drift)
-    ends: Any = make_known(lambda _: [], 2, 1, "space")  # type: ignore[arg-type]
+    ends: Any = make_known(lambda _: [], 2, 1, "space")
     monkeypatch.setattr(search, "make_known", lambda *_: ends)
     monkeypatch.setattr(search, "make_space", lambda *_: "space")
     monkeypatch.setattr(search, "make_turn_room", lambda *_: "turns")

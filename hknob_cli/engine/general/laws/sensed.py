@@ -19,7 +19,7 @@ from hknob_cli.engine.general.laws.cascade import same_count
 from hknob_cli.engine.general.laws.law import AT_SWITCH, BLOCK, PIECE, ROUNDINGS, SPAN, STOP, TORQUE, F, G, S
 from hknob_cli.engine.general.laws.step import decide
 from hknob_cli.engine.general.orbit_proof import EXPANDS, scale_of
-from hknob_cli.engine.general.period_map import NEWTON_STEPS
+from hknob_cli.engine.general.period_map import NEWTON_STEPS, closure_of
 from hknob_cli.engine.general.powers import bound_growth, dissipates, invert
 
 
@@ -209,14 +209,12 @@ def certify_sensed(z, past, period, body, wall, law, space):
         margin, edge, reach, pace, strength = turn_sensed(law.beside, period, body, wall, law, space, m)
         if not same_count(law.beside, law.periodic, law):
             return DIFFERENT, 0.0, 0.0, 0.0, 0.0
-        closure = 0.0
         for i in range(m):
             if i < n:
                 space.residual[i] = space.state[i] - space.orbit[i]
             else:
                 space.residual[i] = law.beside[under_way + i - n] - law.periodic[under_way + i - n]
-            closure += space.residual[i] * space.residual[i]
-        closure = closure**0.5
+        closure = closure_of(space, m)
         solved = invert(space.matrix, space.cols, m, width)
         if not solved or closure <= 4.0 * EPSILON * (reach + pace) or closure >= 0.5 * best or step == NEWTON_STEPS - 1:
             break

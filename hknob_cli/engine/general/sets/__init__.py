@@ -1,5 +1,6 @@
 """Every start at once, of scenes with more in them than the plain loop has: delay, limits, lag, a finger.
 
+- `cell` what is handed on: the cell that is followed, and the state that a set is told from
 - `readings` what acts alike, `drift` exact bounds on roundings, `ball`, `piece` polygons
   in the space of all states, `lattice`, `box`, `curve` and `arc` all clock phases, `known`, `search`
 - behind hysteresis `turns` of one motion, `swings` of a set; `parts` and `arc_parts` what pieces, arcs are cut into

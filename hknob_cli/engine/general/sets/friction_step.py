@@ -164,6 +164,11 @@ def map_corners(corners, count, jac):
     return jac[4] == 0.0 and jac[5] == 0.0 and jac[6] == 0.0 and jac[7] == 0.0
 
 
+def time_of_line(crosses, slides, first, last, span):
+    """When the states stop that a set is cut by: those that stand, those that stop at the end, or halfway."""
+    return 0.0 if crosses else (span if slides else 0.5 * (first + last))
+
+
 def take_in_side(sign, shape, free, slack, hold, body, room):
     """Take in the derivatives of the states that begin by moving in direction ``sign``: ``(smooth, spread)``.
 
@@ -221,12 +226,8 @@ def take_in_side(sign, shape, free, slack, hold, body, room):
         take_in_hold(sa, ga, sb, gb, beta, jac)
     # Lines: v = 0, the states that stop as the hold ends, those that stop halfway, or half the width.
     times, jumps = (last - first) * jump, (jump - small_jump + (beta if most >= -friction > least else 0.0)) * span
-    at = span
-    if crosses:
-        at = 0.0
-    elif not slides:
-        at = 0.5 * (first + last)
     if slides or crosses or times >= jumps:
+        at = time_of_line(crosses, slides, first, last, span)
         sm, _, fm = coefficients(at, body)
         line[0], line[1] = -sign * beta * sm, sign * fm
         line[2] = -(fm * sign * v + sm * (pull_free - beta * sign * x))

@@ -8,7 +8,14 @@ hold it for any number of stops (`take_in_any`): what is left of a difference in
 
 from typing import Any, NamedTuple
 
-from hknob_cli.engine.general.sets.friction_step import Hold, take_in, take_in_hold, take_in_slide, take_in_turn
+from hknob_cli.engine.general.sets.friction_step import (
+    Hold,
+    take_in,
+    take_in_hold,
+    take_in_slide,
+    take_in_turn,
+    time_of_line,
+)
 from hknob_cli.engine.general.slide_two import coefficients
 from hknob_cli.engine.turning import first_zero
 
@@ -172,12 +179,8 @@ def take_in_stops(sign, shape, slack, hold, body, room):
     later = (unsure or high_a - low_a > STEADY * friction) and told.between < 0.5 * span
     later = later and not (crosses or told.passes)
     times, jumps = (last - first) * jump, (jump - small_jump + (beta if most >= -friction > least else 0.0)) * span
-    at = span
-    if crosses:
-        at = 0.0
-    elif not slides:
-        at = 0.5 * (first + last)
     if slides or crosses or times >= jumps:
+        at = time_of_line(crosses, slides, first, last, span)
         part_at(sign, at, shape, hold, body, room.line)
     else:
         room.line[0], room.line[1], room.line[2] = 1.0, 0.0, 0.0

@@ -3,7 +3,7 @@
 The motions of a set have one count, that of the last turning point. Between two samples a turning point changes it for
 good where it lies past an edge that the next sample is not past: so the highest and the lowest place decide.
 
-Each function takes ``turns`` first, a `room.TurnRoom`, or None without hysteresis: then it is what `readings` has.
+``turns`` is a `room.TurnRoom`, or None without hysteresis: then a function does what its like in `readings` does.
 Counts outside of a wall are told as one, unless each counts by itself.
 """
 
