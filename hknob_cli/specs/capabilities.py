@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from hknob_cli.specs.capability_reasons import AT as AT
 from hknob_cli.specs.capability_reasons import WHY as WHY
-from hknob_cli.specs.parts_there import parts_of as parts_of
+from hknob_cli.specs.parts_there import parts_there
 from hknob_cli.specs.plan import Scene, Starts
 
 PROVEN, EXACT, ESTIMATED, REFUSED = "P", "E", "~", "-"
@@ -267,15 +267,19 @@ RANGES = ("bounces", "ranges", "general_sets", "friction_sets", "law_sets", "gen
 ANYWHERE = ("bounces", "anywhere", "general_anywhere")
 STARTS = {"phases": TRIALS, "one": PHASES, "ranges": RANGES, "anywhere": ANYWHERE}
 
-_REFUSED = {
-    column: frozenset(part for part in PARTS if VERDICTS[part, column] == REFUSED) for column in COLUMNS
-}  # fmt: skip
+_KEYS = {name: part.path for name, part in PARTS.items()}
+_REFUSED = {column: frozenset(part for part in PARTS if VERDICTS[part, column] == REFUSED) for column in COLUMNS}
 _PAIRS = {
     column: [
         {one, other} for (one, other, at), (verdict, _) in EXCEPTIONS.items() if (at, verdict) == (column, REFUSED)
     ]
     for column in COLUMNS
 }
+
+
+def parts_of(scene: Scene) -> frozenset[str]:
+    """Which of `PARTS` a scene has, and what it amounts to."""
+    return parts_there(scene, _KEYS)
 
 
 def takes(column: str, parts: Iterable[str]) -> bool:

@@ -1,71 +1,79 @@
 """Which parts a scene has, by the names of the table of `specs.capabilities`."""
 
+from collections.abc import Mapping
+
 from hknob_cli.specs.controller import MODELLED, Controller
 from hknob_cli.specs.electrical import reduced
 from hknob_cli.specs.over_angle import OVER_ANGLE
-from hknob_cli.specs.plan import Actuator, Encoder, Fingerpad, Hand, Scene
+from hknob_cli.specs.plan import Fingerpad, Hand, Scene
 
 
-def parts_of(scene: Scene) -> frozenset[str]:
-    """Which of `capabilities.PARTS` a scene has, and what it amounts to."""
+def parts_there(scene: Scene, keys: Mapping[str, str]) -> frozenset[str]:
+    """Which parts a scene has, and what it amounts to; ``keys``: the dotted path of each part, empty without one.
+
+    A part that is a key is there where that has another value than its default, or than 0 if it has none.
+    """
     written, scene = scene, reduced(scene)
-    knob, wall, hand, actuator = scene.knob, scene.wall, scene.hand or Hand(), scene.actuator or Actuator()
-    encoder, finger = scene.encoder or Encoder(), hand.finger
-    pad = hand.fingerpad or Fingerpad()
-    over_angle = {name: getattr(scene, name) is not None for name in OVER_ANGLE}
-    against = wall.stiffness > 0.0 or any(over_angle.values())
+    told = {
+        **_of_several(scene),
+        **_of_drive(written, scene),
+        **(_of_controller(scene.controller) if scene.controller else {}),
+    }
+    return frozenset(part for part, path in keys.items() if (told[part] if part in told else _is_given(scene, path)))
+
+
+def _is_given(scene: Scene, path: str) -> bool:
+    """Whether the key at a path has a value other than its default; without a path there is none."""
+    if not path:
+        return False
+    above, _, key = path.rpartition(".")
+    part = getattr(scene, above) if above else scene
+    if part is None:
+        return False
+    return bool(getattr(part, key) != part._field_defaults.get(key, 0.0))
+
+
+def _of_several(scene: Scene) -> dict[str, bool]:
+    """What is no key of its own, or what several say together."""
+    knob, hand, over_angle = scene.knob, scene.hand or Hand(), [getattr(scene, name) for name in OVER_ANGLE]
+    finger, pad = hand.finger, hand.fingerpad or Fingerpad()
+    against = scene.wall.stiffness > 0.0 or any(part is not None for part in over_angle)
     pushed = scene.bias is not None and bool(scene.bias.torque or scene.bias.half_quantum) and against
     damping = knob.damping + (pad.damping + finger.damping if finger else hand.damping)
     soft = pad.stiffness == 0.0 or finger.stiffness == 0.0 if finger else hand.stiffness == 0.0
-    found = {
+    return {
         "bias": scene.bias is not None,
-        "hand": scene.hand is not None,
         "grip": bool(hand.by_grip),
         "people": bool(hand.by_person),
-        "knob_damping": knob.damping != 0.0,
-        "friction": knob.coulomb_torque != 0.0,
-        "hand_damping": hand.damping != 0.0,
-        "hand_stiffness": hand.stiffness != 0.0,
-        "finger": finger is not None,
-        "virtual_damping": wall.damping != 0.0,
-        "delay": actuator.delay_samples != 0.0,
-        "lag": actuator.time_constant != 0.0,
-        "torque_limit": actuator.torque_limit is not None,
-        "torque_step": actuator.torque_step != 0.0,
-        "dead_band": actuator.dead_band != 0.0,
-        "rounding": encoder.rounding != "floor",
-        "offset": encoder.offset_counts != 0.0,
-        "hysteresis": encoder.hysteresis_counts != 0.0,
-        "backlash": encoder.backlash != 0.0,
         "bare": scene.encoder is None,
-        "jitter": scene.clock is not None and scene.clock.jitter != 0.0,
         "unsampled": not scene.sampled,
-        **(_of_controller(scene.controller) if scene.controller else {}),
-        **over_angle,
-        "motor": written.motor is not None,
-        "coil": scene.coil is not None,
-        "current_loop": written.motor is not None and written.motor.bandwidth is not None,
-        "supply": written.motor is not None and written.motor.supply_voltage is not None,
-        "eddy_brake": written.eddy_brake is not None,
-        "gear": written.gear is not None,
-        "mesh": scene.behind,
-        "play": scene.play != 0.0,
-        "cogging": scene.cogging is not None and scene.cogging.torque != 0.0,
-        "squeeze": written.squeeze is not None,
         "undamped": damping == 0.0 and scene.coil is None and knob.coulomb_torque == 0.0,
         "unheld": soft,
         "unpushed": not pushed,
         "handless": scene.hand is None,
     }
-    return frozenset(part for part, there in found.items() if there)
+
+
+def _of_drive(written: Scene, scene: Scene) -> dict[str, bool]:
+    """What is reduced to other parts; ``written``: the scene before that."""
+    motor = written.motor
+    return {
+        "motor": motor is not None,
+        "coil": scene.coil is not None,
+        "current_loop": motor is not None and motor.bandwidth is not None,
+        "supply": motor is not None and motor.supply_voltage is not None,
+        "eddy_brake": written.eddy_brake is not None,
+        "gear": written.gear is not None,
+        "mesh": scene.behind,
+        "play": scene.play != 0.0,
+        "squeeze": written.squeeze is not None,
+    }
 
 
 def _of_controller(controller: Controller) -> dict[str, bool]:
     return {
-        "controller": True,
         "speed_sensor": controller.velocity == "sensor",
         "estimated_speed": controller.estimates,
-        "kalman": controller.estimate == "kalman",
         "several_readings": controller.detections > 1,
         "pulses": controller.steps > 1 or (controller.kind == "impulse_damping" and controller.pulse < 1.0),
         "knob_model": controller.kind in MODELLED,

@@ -31,12 +31,7 @@ from hknob_cli.specs.velocity_faults import velocity_contradictions
 Faults = list[tuple[Place, str]]
 # Further keys that give a scene a part.
 _ALSO = {"friction": ("gear.motor_coulomb_torque",), "knob_damping": ("gear.motor_damping",)}
-# Parts that no device runs, and the key that makes them.
-_ON_A_DEVICE = {
-    "hysteresis": ("encoder", "hysteresis_counts"),
-    "backlash": ("encoder", "backlash"),
-    "lag": ("actuator", "time_constant"),
-}
+_OF_A_DEVICE = ("encoder.", "actuator.")  # keys that a campaign's spec has as a scene has them, beside the controller's
 NEEDS_A_WALL = "must be > 0 where a controller is given"  # of wall.stiffness
 
 
@@ -186,11 +181,10 @@ def device_refusals(acting: Any, *, driver: str) -> Faults:
     scene = Scene(knob=Knob(inertia=0.0), wall=Wall(stiffness=0.0))
     scene = scene._replace(controller=acting.controller, encoder=acting.encoder or Encoder(), actuator=acting.actuator)
     there = parts_of(scene)
-    for part, (owner, key) in _ON_A_DEVICE.items():
-        if part in there and VERDICTS[part, "device"] == REFUSED:
-            title = PARTS[part].title
+    for part, (title, path, *_) in PARTS.items():
+        if part in there and path.startswith(_OF_A_DEVICE) and VERDICTS[part, "device"] == REFUSED:
             text = f"must be one that a device can run: this is {title}, and {reason(part, 'device')}"
-            found.append((("scene", owner, key), text))
+            found.append((("scene", *path.split(".")), text))
     if "speed_sensor" in there and driver != VIRTUAL:
         text = "must not be sensor unless the driver is virtual: no target has a sensor of the speed, and records none"
         found.append((("scene", "controller", "velocity"), text))

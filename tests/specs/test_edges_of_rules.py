@@ -13,6 +13,7 @@ from pydantic import TypeAdapter, ValidationError
 from hknob_cli.errors import SpecError, UsageError
 from hknob_cli.specs import size_limit as limits_of_size
 from hknob_cli.specs.capabilities import PARTS as PARTS_OF_TABLE
+from hknob_cli.specs.capabilities import parts_of
 from hknob_cli.specs.declared import declared
 from hknob_cli.specs.electrical import _is_there
 from hknob_cli.specs.load import load_text
@@ -22,7 +23,6 @@ from hknob_cli.specs.over_angle import Detents, ways_round
 from hknob_cli.specs.parquet import opened
 from hknob_cli.specs.part import model_of
 from hknob_cli.specs.parts import Bias, Squeeze
-from hknob_cli.specs.parts_there import parts_of
 from hknob_cli.specs.perception import Background, Hearing, Perceive
 from hknob_cli.specs.plan import (
     Actuator,

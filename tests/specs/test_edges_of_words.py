@@ -12,7 +12,7 @@ from pydantic.fields import FieldInfo
 
 from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.specs.campaign import Course, Grip, Person
-from hknob_cli.specs.capabilities import EXACT, PROVEN, REFUSED, verdict_of
+from hknob_cli.specs.capabilities import EXACT, PROVEN, REFUSED, parts_of, verdict_of
 from hknob_cli.specs.conditions import label
 from hknob_cli.specs.hand import HandSpec, hand_contradictions
 from hknob_cli.specs.load import _kind_fault, load, load_text, spec_model, validate
@@ -22,7 +22,6 @@ from hknob_cli.specs.over_angle import EndStops
 from hknob_cli.specs.page_plan import ReportPlan
 from hknob_cli.specs.parquet import why_unreadable
 from hknob_cli.specs.part import _default
-from hknob_cli.specs.parts_there import parts_of
 from hknob_cli.specs.perception import Perceive
 from hknob_cli.specs.pipeline import _input_fault
 from hknob_cli.specs.plan import Encoder, Finger, Fingerpad, Hand, Knob, Scene, SweepPlan, Wall

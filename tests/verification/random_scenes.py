@@ -40,6 +40,7 @@ from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.errors import SpecError
 from hknob_cli.measure.general_orbit import GeneralMeasurer, LawMeasurer
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
+from hknob_cli.specs.bench import merged
 from hknob_cli.specs.capabilities import TRIALS, engine_of, parts_of
 from hknob_cli.specs.electrical import reduced
 from hknob_cli.specs.load import validate
@@ -48,6 +49,7 @@ from hknob_cli.specs.scene import SceneSpec
 from hknob_cli.specs.source import Source
 from tests import digits as mp
 from tests.controllers.laws import CONTROLLERS, EVERY, LOOP_ONLY
+from tests.specs.small_cells import CHANGES
 from tests.verification import general_reference as reference
 from tests.verification.general_orbits import measure, solve
 from tests.verification.general_scenes import GRASP, KNOB, TWO_PARTS
@@ -191,6 +193,20 @@ def _cogging(chance: Random, scene: Scene) -> None:
     }
 
 
+def _as_in_its_small_cell(change: Scene) -> Callable[[Random, Scene], None]:
+    """What gives a scene the change of a small cell, its numbers up to three times larger or smaller."""
+
+    def varied(value: Any, chance: Random) -> Any:
+        if isinstance(value, dict):
+            return {key: varied(one, chance) for key, one in value.items()}
+        return value * log_uniform(chance, -0.5, 0.5) if isinstance(value, float) else value
+
+    def add(chance: Random, scene: Scene) -> None:
+        scene.update(merged(scene, varied(change, chance)))
+
+    return add
+
+
 MAKERS: dict[str, Callable[[Random, Scene], None]] = {
     "mesh": _gear,
     "play": _play,
@@ -227,6 +243,12 @@ MAKERS: dict[str, Callable[[Random, Scene], None]] = {
     "end_stops": _over_angle("end_stops"),
     "dead_zone": _over_angle("dead_zone"),
     "controller": _controller,
+}
+# Any other part as its small cell has it, more of it or less.
+MAKERS |= {
+    part: _as_in_its_small_cell(change["scene"])
+    for part, change in CHANGES.items()
+    if part not in (*MAKERS, *NOT_DRAWN)
 }
 
 
