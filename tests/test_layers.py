@@ -88,7 +88,6 @@ SMALL = {
     "page/template_files.py": "the page and the page of explore have it in common, and nothing else",
     "page/contents.py": "reads a format of its own, which the program only quotes",
     "scene/random_starts.py": "used by the plain and the general engine, of which it loads neither",
-    "specs/declared.py": "marks the parts of a scene, and loads no validation",
     "specs/gear.py": "a part of the scene, which what reduces it loads the others for",
     "specs/motor_faults.py": "faults of a motor with its grid, which the part itself cannot show",
     "specs/pipeline_plan.py": "a plan, which the work uses without loading validation",

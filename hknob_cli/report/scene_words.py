@@ -6,10 +6,20 @@ from math import pi
 from typing import Any
 
 from hknob_cli.report.table import short
+from hknob_cli.specs.declared import unit_at
 from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Axes, Hand, Scene, placed
 from hknob_cli.specs.squeeze import DECIDING, grip_of, left_out
 
-_UNITS = {"inertia": "kg*m^2", "damping": "N*m*s/rad", "stiffness": "N*m/rad"}
+# What is written after numbers that have no unit.
+_PURE = {
+    "actuator.delay_samples": "samples",
+    "encoder.offset_counts": "counts",
+    "encoder.hysteresis_counts": "counts",
+    "clock.jitter": "of it",
+    "cogging.per_revolution": "places of rest in a turn",
+    "squeeze.margin": "times",
+}
+_GRASP = ("inertia", "damping", "stiffness")
 _WINDINGS = {
     "shorted": "a shorted winding beside the one that is driven",
     "voltage": "a winding driven by a voltage",
@@ -33,20 +43,17 @@ class _Words:
 
     def __init__(self, scene: Scene, axes: Axes) -> None:
         self.scene, self.axes = scene, axes
+        self._told: set[str] = set()
 
     def sentences(self) -> Iterator[str]:
         scene = self.scene
-        friction = self._value("knob.coulomb_torque", "N*m")
-        knob = [
-            f"inertia {self._value('knob.inertia', 'kg*m^2')}",
-            f"damping {self._value('knob.damping', 'N*m*s/rad')}",
-        ]
-        knob.append(f"Coulomb friction {friction}" if friction else "no friction")
-        yield f"Knob: {', '.join(part for part in knob if not part.endswith(' '))}."
+        rubs = "" if self._value("knob.coulomb_torque") else ", no friction"
+        knob = self._forms("knob", inertia="inertia {}", damping="damping {}", coulomb_torque="Coulomb friction {}")
+        yield f"Knob: {knob}{rubs}."
         yield self._hand()
-        if wall := self._value("wall.stiffness", "N*m/rad"):
-            damping = self._value("wall.damping", "N*m*s/rad")
-            yield f"Wall: a spring below the angle 0, {wall}{f'; virtual damping {damping}' if damping else ''}."
+        if wall := self._value("wall.stiffness"):
+            more = self._forms("wall", damping="virtual damping {}")
+            yield f"Wall: a spring below the angle 0, {wall}{f'; {more}' if more else ''}."
         yield from self._over_angle()
         yield self._push()
         yield self._sensor()
@@ -56,8 +63,9 @@ class _Words:
             numbers = [f"{key} {self._plain(f'controller.{key}', value)}" for key, value in _keys(scene.controller)]
             yield f"Controller: {', '.join([scene.controller.kind, *numbers])}."
 
-    def _value(self, path: str, unit: str) -> str:
+    def _value(self, path: str) -> str:
         """A number of the scene with its unit, or its range; empty where it is 0 or absent everywhere."""
+        self._told.add(path)
         value: Any = self.scene
         for step in path.split("."):
             value = getattr(value, step, None)
@@ -65,7 +73,22 @@ class _Words:
         if not values or not any(values):
             return ""
         varied = f" ({len(values)} values)" if len(values) > 1 else ""
-        return f"{range_of(values)} {unit}{varied}"
+        unit = _PURE.get(path) or unit_at(Scene, path)
+        return f"{range_of(values)}{' ' if unit else ''}{unit}{varied}"
+
+    def _forms(self, part: str, **forms: str) -> str:
+        """What is said of the numbers of a part, each in the form for its key; of others, which come last, by the key.
+
+        Those are said that have not been, and have another value than their default.
+        """
+        said = [form.format(text) for key, form in forms.items() if (text := self._value(f"{part}.{key}"))]
+        there = getattr(self.scene, part)
+        for key, value in there._asdict().items() if there else ():
+            path = f"{part}.{key}"
+            differs = path in self.axes or (isinstance(value, float) and value != there._field_defaults.get(key))
+            if differs and path not in self._told and (text := self._value(path)):
+                said.append(f"{key.replace('_', ' ')} {text}")
+        return ", ".join(said)
 
     def _plain(self, path: str, value: Any) -> str:
         if path in self.axes:
@@ -80,22 +103,22 @@ class _Words:
             people = len(self.axes.get(PERSON, hand.by_person))
             return f"Hands: {people} of them: {_of_all(hand.by_person)}."
         if self.scene.squeeze:
-            friction, margin = self._value("squeeze.friction", ""), self._value("squeeze.margin", "times")
+            friction, margin = self._value("squeeze.friction"), self._value("squeeze.margin")
             scenes = self._squeezes()
             asked, most = range_of(sorted(map(grip_of, scenes))), max(map(left_out, scenes))
             said = f"Hand: measured, at the grip that the push asks for, {asked} N"
-            said = f"{said}: {margin} what holds at a friction of {friction.strip()}."
+            said = f"{said}: {margin} what holds at a friction of {friction}."
             what = " and ".join(self._left_out()).capitalize()
             return f"{said} {what}, left out of it, may change it by up to {short(most)} N." if most else said
         if hand.by_grip and GRIP in self.axes:
             grips = self.axes[GRIP]
             return f"Hand: measured, at a grip of {range_of(grips)} N ({len(grips)} values)."
         if hand.finger:
-            finger = self._parts("hand.finger", tuple(_UNITS))
+            finger = self._parts("hand.finger", _GRASP)
             pad = self._parts("hand.fingerpad", ("damping", "stiffness"))
             said = f"Hand: a finger of {finger}; between it and the knob a fingerpad of {pad}"
             return f"{said}. The numbers below take finger and knob as one body."
-        numbers = self._parts("hand", tuple(_UNITS))
+        numbers = self._parts("hand", _GRASP)
         return f"Hand: {numbers}, turning with the knob." if numbers else "Hand: without inertia, damping or stiffness."
 
     def _squeezes(self) -> list[Scene]:
@@ -106,20 +129,20 @@ class _Words:
 
     def _left_out(self) -> Iterator[str]:
         """What of the scene the grip at rest leaves out."""
-        if self._value("knob.coulomb_torque", "") or self._value("gear.motor_coulomb_torque", ""):
+        if self._value("knob.coulomb_torque") or self._value("gear.motor_coulomb_torque"):
             yield "friction of the bearings"
-        if self._value("cogging.torque", ""):
+        if self._value("cogging.torque"):
             yield "cogging"
 
     def _parts(self, path: str, keys: tuple[str, ...]) -> str:
-        found = {key: self._value(f"{path}.{key}", _UNITS[key]) for key in keys}
+        found = {key: self._value(f"{path}.{key}") for key in keys}
         return ", ".join(f"{key} {text}" for key, text in found.items() if text)
 
     def _push(self) -> str:
         bias = self.scene.bias
         if bias and bias.half_quantum:
             return "Push: half of the torque step of one count, into the wall."
-        push = self._value("bias.torque", "N*m")
+        push = self._value("bias.torque")
         return (
             f"Push: {push} into the wall."
             if push
@@ -132,74 +155,65 @@ class _Words:
         encoder = self.scene.encoder
         counts = self.axes.get(COUNTS, [])
         said = f"Encoder: {range_of(counts)} counts per revolution" if counts else "Encoder"
-        offset = self._value("encoder.offset_counts", "counts")
-        parts = [said, f"read {_ROUNDING[encoder.rounding]}"]
-        parts += [f"edges {offset} off"] if offset else []
-        if hysteresis := self._value("encoder.hysteresis_counts", "counts"):
-            parts.append(f"hysteresis of {hysteresis}")
-        if slack := self._value("encoder.backlash", "rad"):
-            parts.append(f"behind a slack of {slack}")
-        return f"{', '.join(parts)}."
+        more = self._forms(
+            "encoder",
+            offset_counts="edges {} off",
+            hysteresis_counts="hysteresis of {}",
+            backlash="behind a slack of {}",
+        )
+        return f"{said}, read {_ROUNDING[encoder.rounding]}{f', {more}' if more else ''}."
 
     def _clock(self) -> Iterator[str]:
         rates = self.axes.get(RATE, [])
         if not self.scene.sampled:
             yield "Clock: none; the torque follows at once."
         elif rates:
-            share = self._value("clock.jitter", "of it")
+            share = self._value("clock.jitter")
             drawn = f", each interval shorter or longer by up to {share}" if share else ""
             yield f"Clock: {range_of(rates)} Hz{drawn}; the torque is held from sample to sample."
-        named = {
-            "delay of {}": ("actuator.delay_samples", "samples"),
-            "lag of {}": ("actuator.time_constant", "s"),
-            "torque up to {}": ("actuator.torque_limit", "N*m"),
-            "no torque below {}": ("actuator.dead_band", "N*m"),
-            "torque in steps of {}": ("actuator.torque_step", "N*m"),
-        }
-        found = [form.format(text) for form, (path, unit) in named.items() if (text := self._value(path, unit))]
-        if found:
-            yield f"Actuator: {', '.join(found)}."
+        if found := self._forms(
+            "actuator",
+            delay_samples="delay of {}",
+            time_constant="lag of {}",
+            torque_limit="torque up to {}",
+            dead_band="no torque below {}",
+            torque_step="torque in steps of {}",
+        ):
+            yield f"Actuator: {found}."
 
     def _motor(self) -> Iterator[str]:
         if motor := self.scene.motor:
-            named = {
-                "Kt {}": ("torque_constant", "N*m/A"),
-                "R {}": ("resistance", "ohm"),
-                "L {}": ("inductance", "H"),
-                "a bandwidth of {}": ("bandwidth", "Hz"),
-                "at most {}": ("supply_voltage", "V"),
-            }
-            found = [
-                form.format(text) for form, (key, unit) in named.items() if (text := self._value(f"motor.{key}", unit))
-            ]
-            yield f"Motor: {_WINDINGS[motor.winding]}, {', '.join(found)}."
-        if torque := self._value("cogging.torque", "N*m"):
-            places = self._value("cogging.per_revolution", "places of rest in a turn")
-            centre = self._value("cogging.centre", "rad")
+            found = self._forms(
+                "motor",
+                torque_constant="Kt {}",
+                resistance="R {}",
+                inductance="L {}",
+                bandwidth="a bandwidth of {}",
+                supply_voltage="at most {}",
+            )
+            yield f"Motor: {_WINDINGS[motor.winding]}, {found}."
+        if torque := self._value("cogging.torque"):
+            places = self._value("cogging.per_revolution")
+            centre = self._value("cogging.centre")
             at = f", one of them at {centre}" if centre else ""
             yield f"Cogging: up to {torque} toward {places} of the motor{at}; a triangle wave."
         if self.scene.gear:
             yield f"Gear: {self._gear()}; encoder and actuator are on the motor's shaft."
         if self.scene.eddy_brake:
-            yield f"Eddy brake: {self._value('eddy_brake.flux_density', 'T')} through a disc that turns with the knob."
+            yield f"Eddy brake: {self._value('eddy_brake.flux_density')} through a disc that turns with the knob."
 
     def _gear(self) -> str:
         """What the gear has; ratio first."""
-        named = {
-            "the motor turns {} times as far as the knob": ("ratio", ""),
-            "inertia of the motor {}": ("motor_inertia", "kg*m^2"),
-            "damping {}": ("motor_damping", "N*m*s/rad"),
-            "friction {}": ("motor_coulomb_torque", "N*m"),
-            "a mesh of stiffness {} at the knob": ("stiffness", "N*m/rad"),
-            "with a damping of {}": ("mesh_damping", "N*m*s/rad"),
-            "teeth with a backlash of {} at the knob": ("backlash", "rad"),
-        }
-        found = [
-            form.format(text.strip())
-            for form, (key, unit) in named.items()
-            if (text := self._value(f"gear.{key}", unit))
-        ]
-        return ", ".join(found)
+        return self._forms(
+            "gear",
+            ratio="the motor turns {} times as far as the knob",
+            motor_inertia="inertia of the motor {}",
+            motor_damping="damping {}",
+            motor_coulomb_torque="friction {}",
+            stiffness="a mesh of stiffness {} at the knob",
+            mesh_damping="with a damping of {}",
+            backlash="teeth with a backlash of {} at the knob",
+        )
 
     def _over_angle(self) -> Iterator[str]:
         scene = self.scene
@@ -213,23 +227,23 @@ class _Words:
             )
         if detents := scene.detents:
             spacing = detents.spacing or 2.0 * pi / (detents.per_revolution or 1)
-            torque = self._value("detents.torque", "N*m") or "0 N*m"
+            torque = self._value("detents.torque") or "0 N*m"
             yield f"Detents: every {short(1e3 * spacing)} mrad, {torque} at most, of shape {detents.shape}."
         if stops := scene.end_stops:
             ends_of = {"below": stops.low, "above": stops.high}
             where = " and ".join(f"{side} {short(1e3 * at)} mrad" for side, at in ends_of.items() if at is not None)
-            yield f"End stops: a spring of {self._value('end_stops.stiffness', 'N*m/rad')} {where}."
+            yield f"End stops: a spring of {self._value('end_stops.stiffness')} {where}."
         if zone := scene.dead_zone:
             yield (
                 f"Dead zone: {short(1e3 * zone.width)} mrad wide about {short(1e3 * zone.centre)} mrad; a spring of "
-                f"{self._value('dead_zone.stiffness', 'N*m/rad')} outside of it."
+                f"{self._value('dead_zone.stiffness')} outside of it."
             )
 
 
 def _of_all(hands: tuple[Hand, ...]) -> str:
     """Ranges of the numbers of many hands."""
-    found = {key: [getattr(one, key) for one in hands] for key in _UNITS}
-    return ", ".join(f"{key} {range_of(values)} {_UNITS[key]}" for key, values in found.items() if any(values))
+    found = {key: [getattr(one, key) for one in hands] for key in _GRASP}
+    return ", ".join(f"{key} {range_of(values)} {unit_at(Hand, key)}" for key, values in found.items() if any(values))
 
 
 def _keys(controller: Any) -> Iterator[tuple[str, Any]]:

@@ -5,7 +5,8 @@ its place that `specs.part` makes of it.
 """
 
 from collections.abc import Callable
-from typing import Any, TypeVar
+from functools import cache
+from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
 T = TypeVar("T")
 Place = tuple[str | int, ...]  # of a value in a spec
@@ -30,6 +31,23 @@ def declared(schema: Any = None, *, unread: tuple[str, ...] = ()) -> Callable[[t
 def is_declared(kind: Any) -> bool:
     """Whether a type is a part that is declared so."""
     return isinstance(kind, type) and hasattr(kind, "json_schema_extra") and hasattr(kind, "_fields")
+
+
+@cache
+def unit_at(kind: Any, path: str) -> str:
+    """SI unit of the number at a dotted path of a named tuple, as its annotation says; empty if that has none."""
+    first, _, rest = path.partition(".")
+    hint = get_type_hints(kind, include_extras=True)[first]
+    if rest:
+        return next(unit_at(arm, rest) for arm in _arms(hint) if hasattr(arm, "_fields"))
+    noted = [note for one in (hint, *_arms(hint)) for note in getattr(one, "__metadata__", ())]
+    return next((note.unit for note in noted if hasattr(note, "unit")), "")
+
+
+def _arms(hint: Any) -> tuple[Any, ...]:
+    """What a type is one of; itself, if that is all."""
+    bare = get_args(hint)[0] if get_origin(hint) is Annotated else hint
+    return get_args(bare) or (bare,)
 
 
 def _validator(kind: Any, _: Any, handler: Any) -> Any:

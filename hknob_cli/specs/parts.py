@@ -12,7 +12,7 @@ from hknob_cli.specs.declared import declared
 from hknob_cli.specs.gear import Gear
 from hknob_cli.specs.motor import Cogging, Coil, EddyBrake, Motor
 from hknob_cli.specs.over_angle import DeadZone, Detents, EndStops, Profile
-from hknob_cli.specs.quantity import Bounds, Damping, Inertia, KnobRadius, Seconds, Stiffness, Torque, Width
+from hknob_cli.specs.quantity import Bounds, Damping, Inertia, KnobRadius, Quantity, Seconds, Stiffness, Torque, Width
 
 
 @declared()
@@ -132,16 +132,16 @@ class Origin(NamedTuple):
 
 
 class Hand(NamedTuple):
-    """Inertia (kg·m²), damping (N·m·s/rad) and stiffness (N·m/rad) of the grasp, to ground; or its two parts.
+    """Inertia, damping and stiffness of the grasp, to ground; or its two parts.
 
     The inertia is below 0 where a printed table has less for hand and apparatus than for the apparatus alone.
     ``by_grip``: hands by the grip force (N) of such a table or of a file; ``by_person``: those of a population, whose
     persons are numbered from 1; ``origin``: the file that they are from.
     """
 
-    inertia: float = 0.0
-    damping: float = 0.0
-    stiffness: float = 0.0
+    inertia: Annotated[float, Quantity("kg*m^2")] = 0.0
+    damping: Damping = 0.0
+    stiffness: Stiffness = 0.0
     finger: Finger | None = None
     fingerpad: Fingerpad | None = None
     by_grip: tuple[tuple[float, "Hand"], ...] = ()

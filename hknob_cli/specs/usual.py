@@ -7,54 +7,55 @@ reasoned, and wide: it is to find a wrong unit, not a rare knob.
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from hknob_cli.specs.plan import COUNTS, RATE
+from hknob_cli.specs.declared import unit_at
+from hknob_cli.specs.plan import COUNTS, RATE, Scene
 
 _HAND = "Tables 1 to 5 of Hasser's dissertation print"
 
 
 class Usual(NamedTuple):
-    """Least and largest usual value in an SI ``unit``, and where the two are from."""
+    """Least and largest usual value, and where the two are from; ``unit``: where the scene declares none."""
 
     least: float
     largest: float
-    unit: str
     why: str
+    unit: str = ""
 
 
-_INERTIA = Usual(1e-8, 1e-3, "kg*m^2", "mr^2/2 of discs, from 1 g with 4.5 mm radius to 1 kg with 45 mm")
-_GRASP = Usual(1e-9, 2e-4, "kg*m^2", f"{_HAND} up to 3.8e-7; 0.5 kg at 2 cm from the axis has 2e-4")
-_DAMPING = Usual(1e-5, 0.1, "N*m*s/rad", f"{_HAND} 3.5e-4 to 3.6e-3; a thirtieth to thirty times that")
-_STIFFNESS = Usual(7e-4, 18.0, "N*m/rad", f"{_HAND} 0.02 to 0.59; a thirtieth to thirty times that")
+_INERTIA = Usual(1e-8, 1e-3, "mr^2/2 of discs, from 1 g with 4.5 mm radius to 1 kg with 45 mm")
+_GRASP = Usual(1e-9, 2e-4, f"{_HAND} up to 3.8e-7; 0.5 kg at 2 cm from the axis has 2e-4")
+_DAMPING = Usual(1e-5, 0.1, f"{_HAND} 3.5e-4 to 3.6e-3; a thirtieth to thirty times that")
+_STIFFNESS = Usual(7e-4, 18.0, f"{_HAND} 0.02 to 0.59; a thirtieth to thirty times that")
 _PAD = "the hand's, times 1000: the stiffest pad of Hasser's study of hidden inertia"
 
 USUAL = {
     "knob.inertia": _INERTIA,
-    "knob.damping": Usual(1e-8, 0.03, "N*m*s/rad", "at the largest, 10 rad/s need 0.3 N*m, which fingers hardly turn"),
-    "knob.coulomb_torque": Usual(1e-6, 0.3, "N*m", "0.56 mN*m on Hasser's hardware; 0.3 N*m is hard to turn"),
-    "wall.stiffness": Usual(1e-3, 300.0, "N*m/rad", "0.27 to 1 in the dissertation; 300 give 0.3 N*m at 0.06 degrees"),
-    "wall.damping": Usual(1e-7, 1.0, "N*m*s/rad", "at the largest, 1 rad/s gives 1 N*m"),
-    "detents.torque": Usual(1e-4, 0.3, "N*m", "8 mN*m in the dissertation; 0.3 N*m is hard to turn"),
-    "end_stops.stiffness": Usual(1e-3, 300.0, "N*m/rad", "as a wall's"),
-    "dead_zone.stiffness": Usual(1e-3, 300.0, "N*m/rad", "as a wall's"),
+    "knob.damping": Usual(1e-8, 0.03, "at the largest, 10 rad/s need 0.3 N*m, which fingers hardly turn"),
+    "knob.coulomb_torque": Usual(1e-6, 0.3, "0.56 mN*m on Hasser's hardware; 0.3 N*m is hard to turn"),
+    "wall.stiffness": Usual(1e-3, 300.0, "0.27 to 1 in the dissertation; 300 give 0.3 N*m at 0.06 degrees"),
+    "wall.damping": Usual(1e-7, 1.0, "at the largest, 1 rad/s gives 1 N*m"),
+    "detents.torque": Usual(1e-4, 0.3, "8 mN*m in the dissertation; 0.3 N*m is hard to turn"),
+    "end_stops.stiffness": Usual(1e-3, 300.0, "as a wall's"),
+    "dead_zone.stiffness": Usual(1e-3, 300.0, "as a wall's"),
     "hand.inertia": _GRASP,
     "hand.damping": _DAMPING,
     "hand.stiffness": _STIFFNESS,
     "hand.finger.inertia": _GRASP,
     "hand.finger.damping": _DAMPING,
     "hand.finger.stiffness": _STIFFNESS,
-    "hand.fingerpad.damping": Usual(1e-5, 100.0, "N*m*s/rad", _PAD),
-    "hand.fingerpad.stiffness": Usual(7e-4, 18e3, "N*m/rad", _PAD),
-    "bias.torque": Usual(1e-6, 0.3, "N*m", "1 mN*m in the dissertation; 0.3 N*m is a push with all one's strength"),
-    "actuator.delay_samples": Usual(1e-3, 20.0, "sample periods", "one or two of the loop, a few of a bus"),
-    "actuator.time_constant": Usual(1e-7, 0.05, "s", "0.05 ms of Hasser's amplifier to 50 ms of a geared motor"),
-    "actuator.torque_limit": Usual(1e-4, 10.0, "N*m", "from watch motors to direct drives of steering wheels"),
-    "actuator.torque_step": Usual(1e-9, 0.01, "N*m", "10 N*m by 24 bits to 1 N*m by 8"),
-    "actuator.dead_band": Usual(1e-7, 0.1, "N*m", "a step of a D/A converter to a motor's friction"),
-    "motor.torque_constant": Usual(1e-4, 1.0, "N*m/A", "from phone vibrators to direct drives of steering wheels"),
-    "motor.resistance": Usual(1e-3, 1e10, "ohm", "up to that of an open circuit"),
-    "motor.inductance": Usual(1e-7, 0.1, "H", "from ironless windings to torque motors"),
-    RATE: Usual(10.0, 1e6, "Hz", "from a script's loop to programmable logic"),
-    COUNTS: Usual(8.0, 2e7, "counts per revolution", "from a switch wheel to 24 bits"),
+    "hand.fingerpad.damping": Usual(1e-5, 100.0, _PAD),
+    "hand.fingerpad.stiffness": Usual(7e-4, 18e3, _PAD),
+    "bias.torque": Usual(1e-6, 0.3, "1 mN*m in the dissertation; 0.3 N*m is a push with all one's strength"),
+    "actuator.delay_samples": Usual(1e-3, 20.0, "one or two of the loop, a few of a bus", "sample periods"),
+    "actuator.time_constant": Usual(1e-7, 0.05, "0.05 ms of Hasser's amplifier to 50 ms of a geared motor"),
+    "actuator.torque_limit": Usual(1e-4, 10.0, "from watch motors to direct drives of steering wheels"),
+    "actuator.torque_step": Usual(1e-9, 0.01, "10 N*m by 24 bits to 1 N*m by 8"),
+    "actuator.dead_band": Usual(1e-7, 0.1, "a step of a D/A converter to a motor's friction"),
+    "motor.torque_constant": Usual(1e-4, 1.0, "from phone vibrators to direct drives of steering wheels"),
+    "motor.resistance": Usual(1e-3, 1e10, "up to that of an open circuit"),
+    "motor.inductance": Usual(1e-7, 0.1, "from ironless windings to torque motors"),
+    RATE: Usual(10.0, 1e6, "from a script's loop to programmable logic", "Hz"),
+    COUNTS: Usual(8.0, 2e7, "from a switch wheel to 24 bits", "counts per revolution"),
 }
 _G_CM2 = 1e-7  # kg m^2 in a g cm^2
 
@@ -70,12 +71,12 @@ def unusual(plan: Any) -> list[str]:
 
 
 def _text(path: str, value: float, usual: Usual) -> str:
-    meant = ""
-    if usual.unit == "kg*m^2" and value > usual.largest and usual.least <= value * _G_CM2 <= usual.largest:
+    meant, unit = "", usual.unit or unit_at(Scene, path)
+    if unit == "kg*m^2" and value > usual.largest and usual.least <= value * _G_CM2 <= usual.largest:
         meant = f"; if {value:g} g*cm^2 is meant, write the unit"
     small = "large" if abs(value) > usual.largest else "small"
     range_ = f"{usual.least:g} to {usual.largest:g}"
-    return f"warning: {path}: {value:g} {usual.unit} is unusually {small}; usual are {range_} ({usual.why}){meant}"
+    return f"warning: {path}: {value:g} {unit} is unusually {small}; usual are {range_} ({usual.why}){meant}"
 
 
 def _quantities(plan: Any) -> Iterator[tuple[str, float]]:
