@@ -6,6 +6,7 @@ from typing import get_args
 
 import pytest
 
+from hknob_cli.specs.starter import starter
 from hknob_cli.stage_table import SCHEMAS, SPECS, STAGES, loaded
 from hknob_cli.stages.work import Work
 from tests.conftest import HKNOB, ROOT
@@ -36,6 +37,5 @@ def test_every_kind_has_a_schema() -> None:
     assert {path.name for path in (ROOT / "schemas").glob("*.json")} == {f"{kind}.schema.json" for kind in printed}
 
 
-def test_every_kind_has_an_experiment() -> None:
-    texts = [path.read_text() for path in (ROOT / "experiments").glob("*.yaml")]
-    assert all(any(f"kind: {kind}\n" in text for text in texts) for kind in SPECS)
+def test_every_kind_has_an_example() -> None:
+    assert all(f"kind: {kind}\n" in starter(kind) for kind in SPECS)

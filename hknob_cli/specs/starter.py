@@ -11,9 +11,7 @@ from hknob_cli.specs.plan import COUNTS, RATE
 from hknob_cli.specs.preset import Read, read_preset
 from hknob_cli.stage_table import PIPELINE, STAGES
 
-_PACKAGE = Path(__file__).parent
-# In an installed package, then in the repository.
-FOLDERS = (_PACKAGE / "starters", _PACKAGE.parents[1] / "data" / "starters")
+_ROOT = Path(__file__).parents[2]
 WITH_SCENE = tuple(SCENES)  # kinds whose knob can be a preset
 # What a preset replaces stands between these lines: the knob and its wall, and the sample rate and counts.
 _BLOCK = re.compile(r"^#\{(\w+)\n(.*?)^#\}\n", re.MULTILINE | re.DOTALL)
@@ -57,10 +55,9 @@ def own_starter(kind: str, scene: Mapping[str, Any], grid: Mapping[str, Any]) ->
 
 
 def _read(kind: str) -> str:
-    for folder in FOLDERS:
-        if folder.is_dir():
-            return (folder / f"{kind}.yaml").read_text(encoding="utf-8")
-    raise UsageError(f"no starters in {' or '.join(map(str, FOLDERS))}")
+    """The starter in the folder of a stage's work, or of the pipeline."""
+    work = "hknob_cli.pipeline.steps" if kind == PIPELINE else STAGES[kind].work
+    return _ROOT.joinpath(*work.split(".")[:-1], "starter.yaml").read_text(encoding="utf-8")
 
 
 def _of_preset(block: str, own: str, preset: str, read: Read) -> str:

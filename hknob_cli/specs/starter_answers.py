@@ -88,7 +88,7 @@ _QUESTIONS: dict[str, tuple[Question, ...]] = {
 
 def questions(kind: str, text: str) -> Iterator[Question]:
     """What is asked about a text of a kind, each with the default that the text has."""
-    for one in _QUESTIONS[kind]:
+    for one in _QUESTIONS.get(kind, ()):
         if one.comment:
             if _commented(one.comment).search(text):
                 yield one

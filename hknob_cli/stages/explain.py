@@ -12,6 +12,7 @@ from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import Axes, Cell, Scene, SweepPlan, scene_at
 from hknob_cli.specs.promise import not_proven
 from hknob_cli.specs.usual import unusual
+from hknob_cli.stage_table import STAGES, loaded
 from hknob_cli.stages.grid_words import grid_lines, size, starts_lines, who
 from hknob_cli.stages.hw_run.explained import explained_campaign
 from hknob_cli.stages.work import counted
@@ -22,7 +23,7 @@ _MOST_NAMES = 12
 
 def explain(kind: str, plan: Any, command: str) -> Explained:
     """What a valid spec describes; ``command``: how to run it."""
-    answer, sections, scene, axes = EXPLANATIONS[kind](plan)
+    answer, sections, scene, axes = EXPLANATIONS[kind](plan) if kind in EXPLANATIONS else _of_its_row(kind, plan)
     preset = getattr(plan, "preset", None)
     sections["preset"] = [line.strip() for line in preset.lines if "left out:" not in line] if preset else []
     if preset:
@@ -201,6 +202,12 @@ EXPLANATIONS: dict[str, Callable[[Any], Found]] = {
     "bench": _bench,
     "report": _report,
 }
+
+
+def _of_its_row(kind: str, plan: Any) -> Found:
+    """What the table of stages says of a kind that has no explanation of its own, and how much there is to do."""
+    row = STAGES[kind]
+    return row.summary, {"work": [f"{loaded(row.work).size(plan)}."]}, None, {}
 
 
 def _about(scene: Scene, axes: Axes) -> dict[str, list[str]]:
