@@ -13,7 +13,7 @@ from typing import NamedTuple
 from hknob_cli.specs.capability_reasons import AT as AT
 from hknob_cli.specs.capability_reasons import WHY as WHY
 from hknob_cli.specs.parts_there import parts_there
-from hknob_cli.specs.plan import Scene, Starts
+from hknob_cli.specs.plan import Scene
 
 PROVEN, EXACT, ESTIMATED, REFUSED = "P", "E", "~", "-"
 WORDS = {PROVEN: "exact and proven", EXACT: "exact", ESTIMATED: "estimated", REFUSED: "refused"}
@@ -258,7 +258,6 @@ APART = (
     ("perceive", ("growth",), "where 'growth' is given", "what nothing damps has no cycle"),
     ("growth", ("population",), "where a population is given", "its hands damp"),
 )
-SAID_OF_STARTS = {"ranges": "where starts are a range", "anywhere": "where starts are anywhere"}
 
 # Engines that may take a scene, by its starts; the first that takes all of its parts does.
 TRIALS = ("bounces", "plain", "general", "unsampled", "laws")
@@ -293,13 +292,6 @@ def deciding(*columns: str) -> frozenset[str]:
     """Paths of the numbers by which a scene has parts that one of these columns refuses."""
     refused = frozenset().union(*(_REFUSED[column] for column in columns))
     return frozenset(path for part in refused for path in (PARTS[part].path, *PARTS[part].of) if path)
-
-
-def kind_of_starts(starts: Starts) -> str:
-    """Which of `STARTS` is meant."""
-    if starts.anywhere:
-        return "anywhere"
-    return "ranges" if starts.span else "phases" if starts.sampled else "one"
 
 
 def engine_of(scene: Scene, engines: Sequence[str]) -> str:

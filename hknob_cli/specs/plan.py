@@ -63,6 +63,13 @@ class Starts(NamedTuple):
         """Whether sets of starts are meant, at a sample instant, and not one start."""
         return self.anywhere or self.span is not None
 
+    @property
+    def kind(self) -> str:
+        """Which of `capabilities.STARTS` is meant."""
+        if self.anywhere:
+            return "anywhere"
+        return "ranges" if self.span else "phases" if self.sampled else "one"
+
 
 BESIDE = Starts(angle=0.02, velocity=0.0, phases=16)  # the start that most specs have, shown beside ranges
 

@@ -9,7 +9,6 @@ from hknob_cli.specs.capabilities import (
     STARTS,
     VERDICTS,
     engine_of,
-    kind_of_starts,
     parts_of,
     verdict_of,
 )
@@ -29,12 +28,12 @@ def not_proven(plan: SweepPlan) -> list[str]:
 
 def follows_all(scene: Scene, starts: Starts) -> bool:
     """Whether all the starts are followed that a sweep is asked for, or some of them."""
-    kind = kind_of_starts(starts)
+    kind = starts.kind
     return kind not in ("one", "ranges") or engine_of(scene, STARTS[kind]) in SETS or not scene.sampled
 
 
 def _of_scene(scene: Scene, starts: Starts) -> Iterator[str]:
-    kind, parts = kind_of_starts(starts), parts_of(scene)
+    kind, parts = starts.kind, parts_of(scene)
     engine = engine_of(scene, STARTS[kind])
     if not follows_all(scene, starts):
         what = "phases of the start" if kind == "one" else "starts"

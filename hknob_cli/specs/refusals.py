@@ -10,7 +10,6 @@ from hknob_cli.specs.capabilities import (
     COLUMNS,
     PARTS,
     REFUSED,
-    SAID_OF_STARTS,
     STARTS,
     VERDICTS,
     parts_of,
@@ -32,6 +31,7 @@ Faults = list[tuple[Place, str]]
 # Further keys that give a scene a part.
 _ALSO = {"friction": ("gear.motor_coulomb_torque",), "knob_damping": ("gear.motor_damping",)}
 _OF_A_DEVICE = ("encoder.", "actuator.")  # keys that a campaign's spec has as a scene has them, beside the controller's
+_SAID_OF_STARTS = {"ranges": "where starts are a range", "anywhere": "where starts are anywhere"}
 NEEDS_A_WALL = "must be > 0 where a controller is given"  # of wall.stiffness
 
 
@@ -60,7 +60,7 @@ def refusals(scene: SceneSpec, axes: Axes, columns: Sequence[str], *, people: bo
 def start_refusals(scene: SceneSpec, axes: Axes, starts: str, *, people: bool) -> Faults:
     """Parts of a scene for whose ``starts``, a key of `capabilities.STARTS`, there is no engine."""
     engines = [one for one in STARTS[starts] if one != "bounces"]
-    return refusals(scene, axes, engines, people=people, when=SAID_OF_STARTS.get(starts, ""))
+    return refusals(scene, axes, engines, people=people, when=_SAID_OF_STARTS.get(starts, ""))
 
 
 def apart(asked: Iterable[str], starts: str) -> Faults:
@@ -70,7 +70,7 @@ def apart(asked: Iterable[str], starts: str) -> Faults:
     for one, others, when, why in APART:
         beside = [other for other in others if other in there]
         if one in there and beside:
-            found.append(((one,), f"must be absent {when or SAID_OF_STARTS[beside[0]]}: {why}"))
+            found.append(((one,), f"must be absent {when or _SAID_OF_STARTS[beside[0]]}: {why}"))
     return found
 
 

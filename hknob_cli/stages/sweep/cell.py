@@ -10,7 +10,7 @@ from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.measure.orbit import Measurer, OrbitMeasures
 from hknob_cli.scene.random_starts import random_starts
 from hknob_cli.scene.sampled_knob import sample_knob
-from hknob_cli.specs.capabilities import COLUMNS, STARTS, TRIALS, engine_of, kind_of_starts, parts_of, takes
+from hknob_cli.specs.capabilities import COLUMNS, STARTS, TRIALS, engine_of, parts_of, takes
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Cell, Scene, SweepPlan, scene_at
 from hknob_cli.stages.sweep.every_start import StartsFinder, why_open
@@ -86,7 +86,7 @@ def group_of(scene: Scene) -> str:
 
 def engine_group(plan: SweepPlan, scene: Scene) -> str:
     """Group of engine functions that a cell of a sweep takes: by its scene, and by whether all starts are meant."""
-    return COLUMNS[engine_of(scene, STARTS[kind_of_starts(plan.starts)])].group
+    return COLUMNS[engine_of(scene, STARTS[plan.starts.kind])].group
 
 
 class CellFinder:
