@@ -7,7 +7,7 @@ from math import nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from hknob_cli.figures import drawing, theme
-from hknob_cli.figures.grid import axes_of, axis_label, column_label
+from hknob_cli.figures.grid import CHOICES, TABLES, axes_of, axis_label, column_label
 from hknob_cli.figures.numbers import mark_values
 from hknob_cli.report.table import short
 from hknob_cli.results.means import WORST, differs
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Row = dict[str, Any]
-_FILES = {"sweep": "cells", "dfa": "dfa", "predict": "predict", "hw-run": "cells"}
-_CHOICES = {"dfa": "method", "predict": "law", "hw-run": "remedy"}
 _SHORT = {"sample_rate_hz": "{} Hz", "counts_per_rev": "{} counts", "person": "person {}"}
 SIZE, PITCH = ("peak to peak, mrad", 1e3), ("frequency, Hz", 1.0)
 
@@ -55,9 +53,9 @@ def cells_of(result: Result, *, column: str | None = None) -> Cells:
 
     Of a method that finds several limit cycles in a cell all are there.
     """
-    if result.stage not in _FILES:
+    if result.stage not in TABLES:
         raise MissingError(f"'{result.name}' is of stage {result.stage}, which has no cells")
-    file = _FILES[result.stage]
+    file = TABLES[result.stage]
     names = result.schema(file).names if result.stage != "hw-run" else result.table(file).column_names
     if lacking := [name for name in ([column] if column else ["p2p_rad", "frequency_hz"]) if name not in names]:
         raise MissingError(f"'{result.name}' has no column {', '.join(lacking)}")
@@ -77,7 +75,7 @@ def place_of(row: Row, axes: list[str]) -> str:
 
 def _sized(result: Result, rows: Rows, names: list[str]) -> list[Series]:
     mean = _points(rows, (("p2p_rad", SIZE[1]), ("frequency_hz", PITCH[1])))
-    choice = _CHOICES.get(result.stage)
+    choice = CHOICES.get(result.stage)
     if choice in names:
         found: dict[str, list[Point]] = {row[choice]: [] for row in rows}
         for point in mean:

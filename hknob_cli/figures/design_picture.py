@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.sheet import save
-from hknob_cli.report.design import limits, name_of
+from hknob_cli.report.design import flagged, limits, name_of
 from hknob_cli.results.result_set import MissingError, ResultSet, Rows
 from hknob_cli.specs.design_plan import DesignPlan
 from hknob_cli.specs.plan import COUNTS, RATE
@@ -117,7 +117,7 @@ def draw_design(plan: DesignPlan, rows: list[Row], *, path: Path) -> None:
             plain,
             "touch_db",
             "plain walls: touch, dB above threshold (frame: rate and counts of the answer)",
-            chosen=_one(rows, "chosen"),
+            chosen=flagged(rows, "chosen"),
         )
         _map(lower, plain, "notional", "plain walls: Hasser's notional surface (Fig. 70); small is good")
     else:
@@ -127,15 +127,11 @@ def draw_design(plan: DesignPlan, rows: list[Row], *, path: Path) -> None:
     save(figure, path, stage="design", name=plan.name)
 
 
-def _one(rows: list[Row], flag: str) -> Row | None:
-    return next((row for row in rows if row[flag]), None)
-
-
 def _scatter(axes: "Axes", plan: DesignPlan, rows: list[Row]) -> None:
     heights = _heights(rows, 0.08)
     _mark_designs(axes, rows, heights)
     for flag in ("present", "chosen"):
-        if row := _one(rows, flag):
+        if row := flagged(rows, flag):
             _mark_one(axes, plan, row, heights.of(row), flag)
     text: dict[str, Any] = {"ha": "right", "transform": axes.get_yaxis_transform(), "color": "0.4"}
     if any(row["touch_db"] is None and not row["unknown"] for row in rows):
@@ -199,7 +195,7 @@ def _mark_one(axes: "Axes", plan: DesignPlan, row: Row, height: float, flag: str
 def _touch_limit(plan: DesignPlan, rows: list[Row]) -> float:
     """What is allowed; of a limit above the present design, that of its level."""
     assert plan.touch
-    there = _one(rows, "present") or {}
+    there = flagged(rows, "present") or {}
     return plan.touch.most_db + ((there.get("touch_db") or 0.0) if plan.touch.above_present else 0.0)
 
 

@@ -35,8 +35,8 @@ _AXES = {
 }
 
 Row = dict[str, Any]
-_TABLES = {"sweep": "cells", "dfa": "dfa", "predict": "predict", "hw-run": "cells"}
-_CHOICES = {"dfa": "method", "predict": "law", "hw-run": "remedy"}  # the column of which a figure shows one value
+TABLES = {"sweep": "cells", "dfa": "dfa", "predict": "predict", "hw-run": "cells"}
+CHOICES = {"dfa": "method", "predict": "law", "hw-run": "remedy"}  # the column of which a figure shows one value
 _NAMES: dict[str, tuple[str, float]] = {
     "p2p_rad": ("peak to peak, mrad", 1e3),
     "sweep_p2p_rad": ("peak to peak of the sweep, mrad", 1e3),
@@ -102,11 +102,11 @@ def rows_of(result: Result, where: Row | None = None) -> Rows:
 
     Raises `MissingError` for a result without cells, where nothing is left, and where several are.
     """
-    if result.stage not in _TABLES:
+    if result.stage not in TABLES:
         raise MissingError(f"'{result.name}' is of stage {result.stage}, which has no grid")
-    rows = result.rows(_TABLES[result.stage])
+    rows = result.rows(TABLES[result.stage])
     chosen = dict(where or {})
-    choice = _CHOICES.get(result.stage)
+    choice = CHOICES.get(result.stage)
     if choice and rows and choice in rows[0]:
         several = list(dict.fromkeys(row[choice] for row in rows))
         if choice not in chosen and len(several) > 1:
@@ -257,7 +257,7 @@ def _known(rows: Rows, column: str, result: Result) -> None:
 
 def _plain(result: Result, column: str) -> str:
     """Name of a column without its unit, with the unit of the file's metadata."""
-    schema = result.table(_TABLES[result.stage]).schema
+    schema = result.table(TABLES[result.stage]).schema
     at = schema.get_field_index(column)
     unit = ((schema.field(at).metadata or {}) if at >= 0 else {}).get(b"unit", b"").decode()
     unit = unit.replace("*", "\u00b7").replace("^2", "\u00b2")

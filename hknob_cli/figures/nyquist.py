@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 from hknob_cli.figures import drawing, theme
+from hknob_cli.figures.grid import TABLES
 from hknob_cli.report.table import short
 from hknob_cli.results.result_set import MissingError, Result, ResultSet
 from hknob_cli.specs.plan import COUNTS, RATE
@@ -59,8 +60,7 @@ def nyquist(evidence: ResultSet, of: str, *, rates: list[float] | None = None, z
 
 def _values(result: Result, axis: str) -> list[float]:
     """Values of an axis in the order of the grid. Raises `MissingError`."""
-    file = {"sweep": "cells", "dfa": "dfa", "predict": "predict"}.get(result.stage, "cells")
-    table = result.table(file)
+    table = result.table(TABLES.get(result.stage, "cells"))
     if axis not in table.column_names:
         raise MissingError(f"'{result.name}' has no axis {axis}")
     return sorted({float(value) for value in table.column(axis).to_pylist()})

@@ -22,8 +22,8 @@ SAID = (
 def describe_design(plan: DesignPlan, table: pa.Table) -> Row:
     """Summary as plain data: the answer, the present design, what binds, the next cheaper, the front, Fig. 70."""
     rows = table.to_pylist()
-    chosen = _one(rows, "chosen")
-    cheaper = _one(rows, "next_cheaper")
+    chosen = flagged(rows, "chosen")
+    cheaper = flagged(rows, "next_cheaper")
     steps = [
         {"choice": name, "from": chosen[name], "to": row[name], "saves": chosen["cost"] - row["cost"], **row}
         for row in rows
@@ -39,7 +39,7 @@ def describe_design(plan: DesignPlan, table: pa.Table) -> Row:
         "feasible": sum(row["feasible"] for row in rows),
         "limits": limits(plan),
         "chosen": chosen,
-        "present": _one(rows, "present"),
+        "present": flagged(rows, "present"),
         "binding": {step["choice"]: step["fails"] for step in steps},
         "relaxed": steps,
         "outside_domain": sum(row.get("in_domain") is False for row in rows),
@@ -66,7 +66,8 @@ def _redrawn(rows: list[Row]) -> list[Row]:
     return sorted(found, key=lambda row: -float(row["redrawn"]))
 
 
-def _one(rows: list[Row], flag: str) -> Row | None:
+def flagged(rows: list[Row], flag: str) -> Row | None:
+    """The first row that has a flag; None where none has."""
     return next((row for row in rows if row[flag]), None)
 
 

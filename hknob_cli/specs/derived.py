@@ -1,11 +1,10 @@
 """A sweep that another spec is made of: validated as if it stood in a file, its faults where its parts were written."""
 
-from collections.abc import Iterator
 from typing import Any
 
 from hknob_cli.errors import Fault
 from hknob_cli.specs.plan import SweepPlan
-from hknob_cli.specs.source import Path_, Source, dotted
+from hknob_cli.specs.source import Path_, Source, dotted, paths_in
 
 
 class _Derived(Source):
@@ -58,14 +57,6 @@ def _open_overrides(source: Source, derived: _Derived, stem: Path_, target: Path
         value = source.value
         for step in stem:
             value = value.get(step) if isinstance(value, dict) else None
-        for inner in _paths(value):
+        for inner in paths_in(value):
             derived.overridden[(*target, *inner)] = option
             derived.written[(*target, *inner)] = (*stem, *inner)
-
-
-def _paths(value: Any) -> Iterator[Path_]:
-    """Paths of all keys in mappings of mappings."""
-    if isinstance(value, dict):
-        for key, inner in value.items():
-            yield (key,)
-            yield from ((key, *rest) for rest in _paths(inner))

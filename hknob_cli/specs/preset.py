@@ -19,7 +19,7 @@ from hknob_cli.specs.named_file import digest_of
 from hknob_cli.specs.part import Part
 from hknob_cli.specs.plan import COUNTS, RATE
 from hknob_cli.specs.preset_plan import Preset, PresetValue
-from hknob_cli.specs.source import Path_, Source, dotted
+from hknob_cli.specs.source import Path_, Source, dotted, paths_in
 
 _PACKAGE = Path(__file__).parent
 # In an installed package, then in the repository.
@@ -131,15 +131,7 @@ def _texts(texts: dict[str, Any]) -> dict[str, str]:
 def _places(source: Source, scene: dict[str, Any], grid: dict[str, Any]) -> Iterator[tuple[Path_, str]]:
     """Where the values of a preset stand, by their paths in a spec."""
     for top, part in (("scene", scene), ("grid", grid)):
-        for path in _paths(part):
+        for path in paths_in(part):
             written: Path_ = (top, *path)
             line, column = source.values.get((*written, "value"), source.values[written])
             yield written, f"{source.name}:{line}:{column}"
-
-
-def _paths(value: Any) -> Iterator[Path_]:
-    """Paths of all keys in mappings of mappings."""
-    if isinstance(value, dict):
-        for key, inner in value.items():
-            yield (key,)
-            yield from ((key, *rest) for rest in _paths(inner))

@@ -5,6 +5,7 @@ constructs nothing but plain scalars, lists and mappings.
 """
 
 import re
+from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -120,6 +121,14 @@ def dotted(path: Path_) -> str:
         else:
             text += f".{name}" if text else name
     return text
+
+
+def paths_in(value: Any) -> Iterator[Path_]:
+    """Paths of all keys in mappings of mappings."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield (key,)
+            yield from ((key, *rest) for rest in paths_in(inner))
 
 
 def read(path: Path) -> Source:

@@ -1,7 +1,7 @@
 """Processes for the tasks of one stage: forked with all libraries loaded, each does one task at a time."""
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Self, TypeVar
 
 if TYPE_CHECKING:
     from concurrent.futures import ProcessPoolExecutor
@@ -58,3 +58,18 @@ class Forks:
         coming = {self._pool.submit(do, item): number for number, item in enumerate(items)}
         for future in as_completed(coming):
             yield coming[future], future.result()
+
+
+class Forked:
+    """What does its tasks in processes, begun on entering; without that, in this process."""
+
+    _forks: Forks
+
+    def __enter__(self) -> Self:
+        """Begin the processes, before this one has threads."""
+        self._forks.__enter__()
+        return self
+
+    def __exit__(self, kind: object, *_: object) -> None:
+        """End the processes."""
+        self._forks.__exit__(kind)

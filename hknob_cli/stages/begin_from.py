@@ -20,7 +20,6 @@ from hknob_cli.specs.standard_input import is_stdin
 from hknob_cli.theory.bounded_lag import best_keep, slowness
 
 FROM = ("sweep", "remedies")  # kinds that a spec can begin from
-KINDS = ("sweep", "remedies", "design", "predict", "dfa")  # kinds that can begin so
 _TIME_CONSTANT_S = 0.2
 _FEW = 16  # clock phases
 _KNOB_RADIUS = {"knob_radius": "8.9 mm"}
@@ -163,6 +162,7 @@ def _sweep(given: _Given) -> dict[str, Any]:
 
 
 _MADE = {"sweep": _sweep, "remedies": _remedies, "design": _design, "predict": _analysis, "dfa": _analysis}
+KINDS = tuple(_MADE)  # kinds that can begin so
 
 
 def _without_hand(given: _Given) -> dict[str, Any]:

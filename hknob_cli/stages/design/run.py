@@ -15,7 +15,7 @@ from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import RANGED, STEP_DB, Column, axis_column
 from hknob_cli.specs.design_plan import DesignPlan
 from hknob_cli.spread.cores import usable_cores
-from hknob_cli.spread.forks import Forks
+from hknob_cli.spread.forks import Forked, Forks
 from hknob_cli.stages.design.evaluate import Evaluator, Rows, evaluate_one
 from hknob_cli.stages.design.people import Judged, judge
 from hknob_cli.stages.design.ranking import answer_if, rank, redrawn
@@ -102,7 +102,7 @@ class _Search(NamedTuple):
     order: dict[Design, int]
 
 
-class DesignStage:
+class DesignStage(Forked):
     """A search that is ready to run."""
 
     def __init__(
@@ -120,15 +120,6 @@ class DesignStage:
         self._there: Rows = []
         self._kept: Kept | None = None
         self._step = 0
-
-    def __enter__(self) -> "DesignStage":
-        """Begin the processes, before this one has threads."""
-        self._forks.__enter__()
-        return self
-
-    def __exit__(self, kind: object, *_: object) -> None:
-        """End the processes."""
-        self._forks.__exit__(kind)
 
     def run(self, progress: Progress = lambda _done, _total: None, kept: "Kept | None" = None) -> pa.Table:
         """Every design evaluated, in the order of cost; what is ``kept`` is not again. Raises `ComputationError`."""

@@ -13,7 +13,7 @@ from hknob_cli.specs.cells import Cells
 from hknob_cli.specs.plan import PERSON
 from hknob_cli.specs.remedies_plan import RemediesPlan, Remedy
 from hknob_cli.spread.cores import usable_cores
-from hknob_cli.spread.forks import Forks
+from hknob_cli.spread.forks import Forked, Forks
 from hknob_cli.stages.lag_domain import has_domain
 from hknob_cli.stages.remedies.columns import AXES, BUZZ, CASES, DOMAIN, KEYS, NEEDS, TUNED, level_columns, louder
 from hknob_cli.stages.remedies.trial import Row, Rows, case_rows, grid_rows, tuned_rows, ways
@@ -28,7 +28,7 @@ Task = tuple[int, int | None, int]  # number of the remedy, of a case (without o
 Found = dict[tuple[int, int | None], Rows]
 
 
-class RemediesStage:
+class RemediesStage(Forked):
     """A trial that is ready to run."""
 
     def __init__(self, plan: RemediesPlan, *, jobs: int | None = None) -> None:
@@ -63,15 +63,6 @@ class RemediesStage:
             each.setdefault((i, case), []).append(results[number])
         found = {key: tuned_rows(self.plan.remedies[key[0]], some) for key, some in each.items()}
         return self._grid(found), self._cases(found)
-
-    def __enter__(self) -> "RemediesStage":
-        """Begin the processes, before this one has threads."""
-        self._forks.__enter__()
-        return self
-
-    def __exit__(self, kind: object, *_: object) -> None:
-        """End the processes."""
-        self._forks.__exit__(kind)
 
     def _grid(self, found: Found) -> pa.Table:
         remedies = self.plan.remedies
