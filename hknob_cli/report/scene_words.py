@@ -7,7 +7,7 @@ from typing import Any
 
 from hknob_cli.report.table import short
 from hknob_cli.specs.declared import unit_at
-from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Axes, Hand, Scene, placed
+from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Axes, Hand, Scene, placed, value_at
 from hknob_cli.specs.squeeze import DECIDING, grip_of, left_out
 
 # What is written after numbers that have no unit.
@@ -66,9 +66,7 @@ class _Words:
     def _value(self, path: str) -> str:
         """A number of the scene with its unit, or its range; empty where it is 0 or absent everywhere."""
         self._told.add(path)
-        value: Any = self.scene
-        for step in path.split("."):
-            value = getattr(value, step, None)
+        value = value_at(self.scene, path)
         values = self.axes.get(path, [] if value is None else [value])
         if not values or not any(values):
             return ""

@@ -207,32 +207,27 @@ def knob_counts(scene: Scene, cell: Cell) -> float:
     return cell.get(COUNTS, nan) * scene.turns
 
 
-def may_yield(plan: SweepPlan) -> bool:
-    """Whether a sweep has a gear with compliance, in some of its cells at least."""
-    gear = plan.scene.gear
-    return gear is not None and (gear.stiffness is not None or "gear.stiffness" in plan.axes)
+YIELDS, JITTERS, PUSHES = ("gear.stiffness",), ("clock.jitter",), ("bias.torque", "bias.half_quantum")
+RUBS = ("knob.coulomb_torque", "gear.motor_coulomb_torque")
+ROAMS = ("gear.backlash", "cogging.torque")  # what may keep trials from ever repeating
 
 
-def may_part(plan: SweepPlan) -> bool:
-    """Whether a sweep has a gear with backlash, in some of its cells at least."""
-    gear = plan.scene.gear
-    return gear is not None and (gear.backlash > 0.0 or any(plan.axes.get("gear.backlash", [])))
+def may_have(scene: Scene, axes: Axes, *paths: str) -> bool:
+    """Whether a number at one of these dotted paths is there, and not 0, in some of the cells at least."""
+    return any(value_at(scene, path) or any(axes.get(path, [])) for path in paths)
 
 
-def may_roam(plan: SweepPlan) -> bool:
-    """Whether a sweep has a part, in some of its cells at least, that may keep trials from ever repeating.
-
-    That is backlash of a gear, or cogging.
-    """
-    cogging = plan.scene.cogging
-    there = cogging is not None and (cogging.torque > 0.0 or any(plan.axes.get("cogging.torque", [])))
-    return there or may_part(plan)
+def is_unpushed(scene: Scene, axes: Axes) -> bool:
+    """Whether there is a wall, in some of the cells at least, and in none what pushes the knob into it."""
+    return may_have(scene, axes, "wall.stiffness") and not may_have(scene, axes, *PUSHES)
 
 
-def may_jitter(plan: SweepPlan) -> bool:
-    """Whether a sweep has a sample clock that jitters, in some of its cells at least."""
-    clock = plan.scene.clock
-    return clock is not None and (clock.jitter > 0.0 or any(plan.axes.get("clock.jitter", [])))
+def value_at(scene: Scene, path: str) -> Any:
+    """What a scene has at a dotted path; None if it has no such part."""
+    found: Any = scene
+    for step in path.split("."):
+        found = getattr(found, step, None)
+    return found
 
 
 def placed(scene: Scene, cell: Cell) -> Scene:

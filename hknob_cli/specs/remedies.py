@@ -17,7 +17,7 @@ from hknob_cli.specs.grid import MAX_CELLS, AxisError, AxisSpec, Counts, axis_va
 from hknob_cli.specs.hand import HandSpec
 from hknob_cli.specs.messages import nearest
 from hknob_cli.specs.perception import Perceive
-from hknob_cli.specs.plan import COUNTS, PERSON, RATE, Hand, SweepPlan, may_jitter
+from hknob_cli.specs.plan import COUNTS, JITTERS, PERSON, RATE, Hand, SweepPlan, may_have
 from hknob_cli.specs.quantity import PositiveSeconds, SampleRate, Torque, Velocity
 from hknob_cli.specs.remedies_plan import KNOCKS, RemediesPlan, Remedy, Tuned
 from hknob_cli.specs.scene import Part
@@ -260,7 +260,7 @@ def misfit(plan: SweepPlan) -> list[str]:
         return ["must leave a grid without a design: hands are compared on the same cells"]
     if not plan.scene.sampled or plan.scene.encoder is None:
         return ["must leave a sample clock and an encoder"]
-    if may_jitter(plan):
+    if may_have(plan.scene, plan.axes, *JITTERS):
         return ["must leave a sample clock without jitter: what is compared are cycles, and no motion repeats"]
     return []
 

@@ -9,7 +9,7 @@ from hknob_cli.report.scene_words import scene_sentences
 from hknob_cli.report.table import short
 from hknob_cli.specs.capabilities import ESTIMATED, parts_of, verdict_of
 from hknob_cli.specs.cells import cells_of
-from hknob_cli.specs.plan import Axes, Cell, Scene, SweepPlan, scene_at
+from hknob_cli.specs.plan import Axes, Cell, Scene, SweepPlan, is_unpushed, may_have, scene_at
 from hknob_cli.specs.promise import not_proven
 from hknob_cli.specs.usual import unusual
 from hknob_cli.stage_table import STAGES, loaded
@@ -225,16 +225,13 @@ def _ends(plan: Any) -> list[tuple[Scene, Cell]]:
 
 
 def _unpushed(scene: Scene, axes: Axes) -> list[str]:
-    pushed = scene.bias is not None and (scene.bias.half_quantum or scene.bias.torque)
-    pushed = pushed or any(axes.get("bias.torque", []))
-    walled = scene.wall.stiffness or any(axes.get("wall.stiffness", []))
-    return [f"{_UNPUSHED[0].upper()}{_UNPUSHED[1:]}."] if walled and not pushed else []
+    return [f"{_UNPUSHED[0].upper()}{_UNPUSHED[1:]}."] if is_unpushed(scene, axes) else []
 
 
 def _ignored(plan: SweepPlan) -> list[str]:
     scene, axes = plan.scene, plan.axes
     found = _unpushed(scene, axes)
-    against = scene.wall.stiffness or any(axes.get("wall.stiffness", []))
+    against = may_have(scene, axes, "wall.stiffness")
     over_angle = scene.profile or scene.detents or scene.end_stops or scene.dead_zone
     if not against and not over_angle and scene.bias:
         found.append("There is no wall to push against, so that the push has nothing to balance it but the hand.")

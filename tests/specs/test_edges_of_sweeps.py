@@ -12,11 +12,12 @@ from hknob_cli.specs.plan import (
     COUNTS,
     PERSON,
     RATE,
+    ROAMS,
+    YIELDS,
     Points,
     Starts,
     SweepPlan,
-    may_roam,
-    may_yield,
+    may_have,
 )
 from hknob_cli.specs.promise import not_proven
 from hknob_cli.specs.starts import PHASES, StartsSpec, kind_of_starts, plain_starts
@@ -142,7 +143,7 @@ def test_cogging_of_one_torque_or_of_a_grid_may_keep_trials_from_repeating() -> 
         text = SPEC.replace("  bias:", f"  cogging: {{torque: {torque}, per_revolution: 7}}\n  bias:")
         plan = load_text(text.replace("[1024]", f"[1024]{axis}"), "spec.yaml")
         assert isinstance(plan, SweepPlan)
-        assert may_roam(plan) is roams
+        assert may_have(plan.scene, plan.axes, *ROAMS) is roams
 
 
 def test_a_range_without_a_design_lacks_its_count() -> None:
@@ -239,7 +240,7 @@ def test_gears_that_may_yield() -> None:
         text = SPEC.replace("  bias:", f"  gear: {{ratio: 8, motor_inertia: 1.0e-8{gear}}}\n  bias:")
         plan = load_text(text.replace("[1024]", f"[1024]{axis}"), "spec.yaml")
         assert isinstance(plan, SweepPlan)
-        assert may_yield(plan) is yields
+        assert may_have(plan.scene, plan.axes, *YIELDS) is yields
 
 
 def test_rows_of_a_recording_without_a_clock_are_those_of_its_interval() -> None:

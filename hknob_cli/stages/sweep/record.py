@@ -25,6 +25,7 @@ from hknob_cli.specs.motor import Cogging
 from hknob_cli.specs.plan import (
     COUNTS,
     RATE,
+    YIELDS,
     Bias,
     Cell,
     Hand,
@@ -32,7 +33,7 @@ from hknob_cli.specs.plan import (
     Scene,
     SweepPlan,
     knob_counts,
-    may_yield,
+    may_have,
     scene_at,
 )
 
@@ -79,7 +80,7 @@ def record_sweep(plan: SweepPlan) -> pa.Table:
     axes = [axis_column(name, plan.units[name]) for name in plan.axes]
     finger = plan.scene.hand is not None and plan.scene.hand.finger is not None
     starts = START if plan.record.angles else ()
-    behind = AT_KNOB if may_yield(plan) else ()
+    behind = AT_KNOB if may_have(plan.scene, plan.axes, *YIELDS) else ()
     return build_table([*axes, *starts, *TRAJECTORY, *(FINGER if finger else ()), *behind], rows)
 
 

@@ -34,7 +34,18 @@ from hknob_cli.scene.sampled_cells import hands_of
 from hknob_cli.scene.torque_over_angle import is_shaped
 from hknob_cli.specs.cells import WHOLE
 from hknob_cli.specs.perception import Perceive
-from hknob_cli.specs.plan import COUNTS, PERSON, SweepPlan, knob_counts, may_jitter, may_roam, may_yield, scene_at
+from hknob_cli.specs.plan import (
+    COUNTS,
+    JITTERS,
+    PERSON,
+    ROAMS,
+    RUBS,
+    YIELDS,
+    SweepPlan,
+    knob_counts,
+    may_have,
+    scene_at,
+)
 from hknob_cli.stages.sweep.cell import CellResult, may_bounce
 from hknob_cli.stages.sweep.starts_columns import starts_columns
 
@@ -135,11 +146,13 @@ def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
     more: dict[str, list[Any]] = {}
     if may_bounce(plan):
         columns, more = (*CELLS, *GROWTH), _growth(results)
-    for has, some, name in ((may_roam, RATTLE, "rattle_p2p_rad"), (may_jitter, JITTER_MAX, "jitter_p2p_rad")):
-        if has(plan):
+    for paths, some, name in ((ROAMS, RATTLE, "rattle_p2p_rad"), (JITTERS, JITTER_MAX, "jitter_p2p_rad")):
+        if may_have(plan.scene, plan.axes, *paths):
             every = [[getattr(one, name) for one in result.measures] for result in results]
             columns, more = (*columns, *some), more | {some[0].name: [float(np.fmax.reduce(one)) for one in every]}
-    more |= {"clock_bound_rad": [one.clock_bound for one in results]} if may_jitter(plan) else {}
+    more |= (
+        {"clock_bound_rad": [one.clock_bound for one in results]} if may_have(plan.scene, plan.axes, *JITTERS) else {}
+    )
     if not plan.starts.sampled and plan.scene.sampled:
         some, values = starts_columns(plan, results)
         columns, more = (*columns, *some), more | values
@@ -166,8 +179,9 @@ def _perceived_columns(
 
 def orbits_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
     """One row per attractor."""
-    parts = ((FRICTION, _has_friction), (BEHIND, may_yield), (PLAY, may_roam), (JITTER, may_jitter))
-    columns: tuple[Column, ...] = (*ORBITS, *(one for some, has in parts if has(plan) for one in some))
+    parts = ((FRICTION, RUBS), (BEHIND, YIELDS), (PLAY, ROAMS), (JITTER, JITTERS))
+    there = [some for some, paths in parts if may_have(plan.scene, plan.axes, *paths)]
+    columns: tuple[Column, ...] = (*ORBITS, *(one for some in there for one in some))
     more: dict[str, list[Any]] = {}
     if not plan.scene.sampled:
         columns = (*(one for one in columns if one.name not in SAMPLED), *CONTACT)
@@ -287,12 +301,6 @@ def _step_db(plan: SweepPlan, result: CellResult) -> float:
     if plan.perceive is None or not _is_counted(plan) or is_shaped(scene):
         return nan
     return step_db(plan.perceive, stiffness=scene.wall.stiffness, counts=knob_counts(scene, result.cell))
-
-
-def _has_friction(plan: SweepPlan) -> bool:
-    gear, axes = plan.scene.gear, plan.axes
-    own = gear is not None and (gear.motor_coulomb_torque > 0.0 or any(axes.get("gear.motor_coulomb_torque", [])))
-    return own or plan.scene.knob.coulomb_torque > 0.0 or any(axes.get("knob.coulomb_torque", []))
 
 
 def _growth(results: Sequence[CellResult]) -> dict[str, list[Any]]:

@@ -8,7 +8,7 @@ from typing import Any
 from hknob_cli.engine.compiling import working_clock
 from hknob_cli.results.parted import Parted
 from hknob_cli.results.staging import Staging, clear_staged, staged
-from hknob_cli.specs.plan import COUNTS, PERSON, knob_counts, scene_at
+from hknob_cli.specs.plan import COUNTS, PERSON, is_unpushed, knob_counts, scene_at
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.make import stamp_of
 from hknob_cli.stages.sweep.completeness_text import completeness_text, describe_completeness
@@ -183,10 +183,8 @@ def _completeness(job: Job, cells: list[dict[str, Any]]) -> dict[str, Any]:
 
 def _unpushed(job: Job, rests: bool) -> dict[str, Any]:
     """A note where trials rest and nothing pushes the knob into the wall, as part of the summary."""
-    scene, axes = job.plan.scene, job.plan.axes
-    pushed = bool(scene.bias and (scene.bias.half_quantum or scene.bias.torque)) or any(axes.get("bias.torque", []))
-    walled = bool(scene.wall.stiffness) or any(axes.get("wall.stiffness", []))
-    return {"notes": [UNPUSHED]} if rests and walled and scene.sampled and not pushed else {}
+    scene = job.plan.scene
+    return {"notes": [UNPUSHED]} if rests and scene.sampled and is_unpushed(scene, job.plan.axes) else {}
 
 
 def _recorded(job: Job) -> Tables:
