@@ -101,7 +101,7 @@ FRICTION_ARCS = (
 FRICTION_SETS = (
     *GENERAL_SETS,
     *(f"general.sets.{name}" for name in ("convex", "friction_step", "lagged_stops", "lagged_step")),
-    *(f"general.sets.{name}" for name in ("friction_piece", "friction_rest")),
+    *(f"general.sets.{name}" for name in ("friction_set", "friction_turns", "friction_piece", "friction_rest")),
     *(f"general.sets.{name}" for name in ("friction_box", "friction_phases")),
 )
 BOUNCES = (*MOTION, "bounces")

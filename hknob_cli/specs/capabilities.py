@@ -7,17 +7,20 @@ not proven. `~`: estimated, by a formula, published numbers or a record. `-`: re
 this one part. Of several parts the lowest verdict counts; `EXCEPTIONS` has the pairs that are lower still.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Sequence, Set
 from typing import NamedTuple
 
+from hknob_cli.specs.capability_pairs import ESTIMATED as ESTIMATED
+from hknob_cli.specs.capability_pairs import EXACT as EXACT
+from hknob_cli.specs.capability_pairs import EXCEPTIONS as EXCEPTIONS
+from hknob_cli.specs.capability_pairs import LOWEST_FIRST as LOWEST_FIRST
+from hknob_cli.specs.capability_pairs import PROVEN as PROVEN
+from hknob_cli.specs.capability_pairs import REFUSED as REFUSED
+from hknob_cli.specs.capability_pairs import WORDS as WORDS
 from hknob_cli.specs.capability_reasons import AT as AT
 from hknob_cli.specs.capability_reasons import WHY as WHY
 from hknob_cli.specs.parts_there import parts_there
 from hknob_cli.specs.plan import Scene
-
-PROVEN, EXACT, ESTIMATED, REFUSED = "P", "E", "~", "-"
-WORDS = {PROVEN: "exact and proven", EXACT: "exact", ESTIMATED: "estimated", REFUSED: "refused"}
-LOWEST_FIRST = REFUSED + ESTIMATED + EXACT + PROVEN
 
 
 class Column(NamedTuple):
@@ -173,8 +176,8 @@ _TABLE = {
     "dead_band":       "--P-P ---PPPPP -EE~ ----~",
     "rounding":        "PEPPP PPPPPPPP PEE~ ~P~E~",
     "offset":          "PEPPP PPPPPPPP PEE~ ~P~E~",
-    "hysteresis":      "--P-P ---P-P-- -EE~ ~----",
-    "backlash":        "--P-P ---P-P-- -EE~ ~----",
+    "hysteresis":      "--P-P ---PPP-- -EE~ ~----",
+    "backlash":        "--P-P ---PPP-- -EE~ ~----",
     "bare":            "--PPE -------- -EE~ ---E-",
     "jitter":          "--E-E -------- -EE- -----",
     "unsampled":       "---P- -------- -E-- ---E-",
@@ -231,25 +234,6 @@ def _rows() -> dict[tuple[str, str], str]:
 
 VERDICTS = _rows()
 
-# Pairs of parts whose verdict in a column is lower than that of each of them.
-EXCEPTIONS = {
-    **{
-        (part, "virtual_damping", column): (
-            REFUSED,
-            "the plain wall remembers one count there, not those of the last turning point and of the last sample: "
-            "it is followed as a controller",
-        )
-        for part in ("hysteresis", "backlash")
-        for column in ("general", "general_sets")
-    },
-    ("friction", "bare", "general"): (EXACT, "the period map is not shown to contract"),
-    ("friction", "speed_sensor", "laws"): (EXACT, "the torque follows the motion, which is not affine"),
-    **{
-        (part, "speed_sensor", "laws"): (EXACT, "how far motions part between samples is not bounded")
-        for part in ("hysteresis", "backlash")
-    },
-    ("bare", "by_counts", "laws"): (REFUSED, "there is no count to be worth so much, to change, or to be rounded to"),
-}
 # What a sweep is asked for and does not go together: which, beside which starts or request, when, and why.
 APART = (
     ("record", ("ranges", "anywhere"), "", "a recording begins at one start"),
@@ -270,7 +254,9 @@ _KEYS = {name: part.path for name, part in PARTS.items()}
 _REFUSED = {column: frozenset(part for part in PARTS if VERDICTS[part, column] == REFUSED) for column in COLUMNS}
 _PAIRS = {
     column: [
-        {one, other} for (one, other, at), (verdict, _) in EXCEPTIONS.items() if (at, verdict) == (column, REFUSED)
+        ({one, other}, lower.unless)
+        for (one, other, at), lower in EXCEPTIONS.items()
+        if (at, lower.verdict) == (column, REFUSED)
     ]
     for column in COLUMNS
 }
@@ -281,11 +267,11 @@ def parts_of(scene: Scene) -> frozenset[str]:
     return parts_there(scene, _KEYS)
 
 
-def takes(column: str, parts: Iterable[str]) -> bool:
+def takes(column: str, parts: Set[str]) -> bool:
     """Whether an engine, law or command takes a scene with these parts."""
     if not _REFUSED[column].isdisjoint(parts):
         return False
-    return not _PAIRS[column] or not any(pair.issubset(parts) for pair in _PAIRS[column])
+    return not any(pair.issubset(parts) and parts.isdisjoint(unless) for pair, unless in _PAIRS[column])
 
 
 def deciding(*columns: str) -> frozenset[str]:
@@ -309,9 +295,9 @@ def verdict_of(parts: Iterable[str], column: str) -> tuple[str, str]:
     inherent_first = sorted((part for part in PARTS if part in there), key=lambda part: not PARTS[part].of)
     found = [(VERDICTS[part, column], PARTS[part].title) for part in inherent_first]
     found += [
-        (verdict, f"{PARTS[one].title} with {PARTS[other].title}")
-        for (one, other, where), (verdict, _) in EXCEPTIONS.items()
-        if where == column and {one, other} <= there
+        (lower.verdict, f"{PARTS[one].title} with {PARTS[other].title}")
+        for (one, other, where), lower in EXCEPTIONS.items()
+        if where == column and {one, other} <= there and there.isdisjoint(lower.unless)
     ]
     return min(found, key=lambda one: LOWEST_FIRST.index(one[0]), default=(PROVEN, ""))
 

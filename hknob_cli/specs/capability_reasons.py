@@ -77,9 +77,8 @@ WHY = {
     ("people", "formulas"): "its spec has no population",
     ("people", "bench"): "its spec has no population",
     **{
-        (part, column): "where friction stops the knob a place is no affine function of its start"
+        (part, "friction_arcs"): "where friction stops the knob a place is no affine function of its start"
         for part in ("hysteresis", "backlash")
-        for column in ("friction_sets", "friction_arcs")
     },
     **{
         ("speed_sensor", column): "the torque depends on the velocity itself"

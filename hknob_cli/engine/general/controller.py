@@ -145,6 +145,11 @@ def inside(shown, wall):
     return shown if shown < 0.0 else 0.0
 
 
+def told(shown, wall):
+    """The count that stands behind hysteresis for all that are told as one: those outside, if none is differenced."""
+    return shown if wall.damping > 0.0 or is_there(wall.table) else min(shown, 0.0)
+
+
 def depth_level(shown, wall):
     """How deep a reading is, as a level that falls on the way into the wall; a change may begin a turn of an orbit.
 

@@ -14,7 +14,7 @@ from hknob_cli.engine.follow import (
 from hknob_cli.engine.general.advance import advance_span
 from hknob_cli.engine.general.body import copy_to
 from hknob_cli.engine.general.captured import FIELDS
-from hknob_cli.engine.general.controller import read, read_after
+from hknob_cli.engine.general.controller import read, read_after, told
 from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, CYCLE_PARTS, KNOWN, downgrade, follow_trial
 from hknob_cli.engine.general.interval import advance, pass_over
 from hknob_cli.engine.general.jitter import begin_clock
@@ -98,7 +98,7 @@ def deepest(before, head, period, trial, body, wall):
 
 
 def find(fate, period, z, shown, rows, table, states, order):
-    """Row of this attractor, or ``rows`` if new. Rest points held by friction count as one per reading."""
+    """Row of this attractor, or ``rows`` if new. Rest points held by friction count as one per reading, as `told`."""
     for row in range(rows):
         base = row * FIELDS
         if table[base] != fate or table[base + 1] != period:
@@ -169,6 +169,8 @@ def enter(fate, period, before, head, trial, body, wall):
         shown = -1.0 if z[0] < 0.0 else 0.0
         if has_curve(wall.curve):
             shown += 2.0 * place_at(z[0], wall.curve)
+    if wall.hysteresis > 0.0 and shown == shown:
+        shown = told(shown, wall)
     row = find(fate, period, z, shown, rows, table, trial.states, n)
     if cycle and row == rows:
         status, margin, edge, closure, bound = certify(z, before, ring, head, period, body, wall, space)

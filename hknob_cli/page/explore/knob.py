@@ -75,7 +75,7 @@ def _listed_cells(plan: SweepPlan) -> list[Cell]:
 def _faults(scene: Scene) -> Iterator[str]:
     """The key of each part that the page does not follow, and why."""
     for part in sorted(parts_of(scene)):
-        if not takes("explore", [part]):
+        if not takes("explore", {part}):
             path = PARTS[part].path or "controller"  # what a controller does within an interval is no key
             yield f"{path}: {PARTS[part].title} is not in explore: {reason(part, 'explore')}"
     control = scene.controller

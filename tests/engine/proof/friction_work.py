@@ -8,7 +8,7 @@ from typing import Any
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.sets.cell import Cell, Centre
 from hknob_cli.engine.general.sets.drift import Drift
-from hknob_cli.engine.general.sets.friction_piece import MOST, SET
+from hknob_cli.engine.general.sets.friction_set import ACTS, MOST, SET
 from hknob_cli.engine.general.sets.friction_step import SLID, Hold, Room, Shape
 from hknob_cli.engine.general.sets.piece import piece_size
 from hknob_cli.engine.general.sets.room import make_piece_room
@@ -47,7 +47,7 @@ def work_of(sets: int = 32, delay: int = 0, looks: int = 0, course: list[float] 
     work = SimpleNamespace(
         course=course or [], least=[0.0], sets=zeros((SET + looks) * sets), seen=zeros(looks),
         corners=zeros(8 * MOST + 4), one=zeros(2 * MOST), other=zeros(2 * MOST), space=zeros(8 * MOST + 12),
-        line=zeros(3), acts=zeros(3), lags=None, z=zeros(2), ring=zeros(delay), torques=zeros(max(2, delay)),
+        line=zeros(3), acts=zeros(ACTS), lags=None, z=zeros(2), ring=zeros(delay), torques=zeros(max(2, delay)),
         moved=zeros(2), pad=zeros(4),
     )  # fmt: skip
     work.__dict__.update(more)

@@ -76,7 +76,9 @@ class Followed:
         self.rest: Any = UNKNOWN
         self.captor, self.keep, self.part, self.move = -1, False, AT + 3, AT + 2
         self.found: tuple[int, int] = (0, 100)
-        self.known: Any = SimpleNamespace(law=None, why=zeros(16), table=[REST_PROVEN, *zeros(FIELDS - 1)] * 4)
+        self.known: Any = SimpleNamespace(
+            law=None, turns=None, why=zeros(16), table=[REST_PROVEN, *zeros(FIELDS - 1)] * 4
+        )
         self.body = body_of(0.5)
         self.body.order = order
 
@@ -429,7 +431,7 @@ def followed(
     room = SimpleNamespace(stack=zeros(size * 8), own=zeros(size))
     for k in range(8):
         room.stack[k * size + WEIGHT] = 2.0**k
-    body, known = body_of(friction), SimpleNamespace(table=zeros(FIELDS * 4))
+    body, known = body_of(friction), SimpleNamespace(table=zeros(FIELDS * 4), turns=None)
     body.halt = halt or [0.0]
     scope, cell = Scope(budget=4, skip=0, patience=3, limit=5.0, fine=True), Cell("drift", known, body, "wall")
     found = follow_friction(room, "work", waiting, 2.0, samples, scope, cell)  # type: ignore[no-untyped-call]

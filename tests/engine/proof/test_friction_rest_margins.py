@@ -114,7 +114,7 @@ def held(
     given, wall = Entered(), wall_of(sense=sense)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(friction_rest, "enter_rest", given)
-        cell = cell_of(SimpleNamespace(law=None), None, bottom, wall)
+        cell = cell_of(SimpleNamespace(law=None, turns=None), None, bottom, wall)
         row = held_rest((low, high), (*zone, blur), shift, reach, 7.0, centre_of(None, [], level=level), cell)
     assert all(u == 7.0 for _, _, u in given.at)
     if row == UNKNOWN:
@@ -277,7 +277,7 @@ def test_no_room_for_a_reading_is_said() -> None:
     entered = Entered(0, FULL)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(friction_rest, "enter_rest", entered)
-        cell = cell_of(SimpleNamespace(law=None), None)
+        cell = cell_of(SimpleNamespace(law=None, turns=None), None)
         row = held_rest((0.125, 2.375), (0.0, 9.0, 0.0), 0.0, 0.0, 7.0, centre_of(None, []), cell)
     assert (row, len(entered.at)) == (FULL, 2)
 
@@ -480,7 +480,7 @@ class Asked:
         self, body: Body, *, z: tuple[float, ...] = (-0.5, 0.0), error: float = 0.0, radius: float = 0.0,
         corners: tuple[float, ...] = (0.0, 0.0),
     ) -> int:  # fmt: skip
-        return rest_of_piece(list(z), error, radius, -1.0, list(corners), SimpleNamespace(law=None), body)
+        return rest_of_piece(list(z), error, radius, -1.0, list(corners), SimpleNamespace(law=None, turns=None), body)
 
 
 @pytest.fixture

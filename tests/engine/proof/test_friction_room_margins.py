@@ -11,8 +11,8 @@ from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.laws.law import LOOK, PIECE, SPAN, TORQUE
 from hknob_cli.engine.general.sets.convex import MOST_CORNERS
-from hknob_cli.engine.general.sets.friction_piece import LEG, MOST, SET, SETS, SETS_LOOKED
 from hknob_cli.engine.general.sets.friction_room import _course, can_rub, friction_drift, make_friction_room
+from hknob_cli.engine.general.sets.friction_set import LEG, MOST, SET, SETS, SETS_LOOKED
 from hknob_cli.engine.general.sets.friction_step import MOST_CUTS, MOST_PARTS
 from hknob_cli.engine.general.slide_two import coefficients
 

@@ -12,7 +12,8 @@ import pytest
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.sets import friction_piece
 from hknob_cli.engine.general.sets.convex import MOST_CORNERS, area_of, widen
-from hknob_cli.engine.general.sets.friction_piece import (
+from hknob_cli.engine.general.sets.friction_piece import TINY, begin_halves, cut_set, look_at_set, stands
+from hknob_cli.engine.general.sets.friction_set import (
     CORNERS,
     COUNT,
     CUTS,
@@ -20,17 +21,12 @@ from hknob_cli.engine.general.sets.friction_piece import (
     LEAST_WEIGHT,
     PART,
     SET,
-    TINY,
     WEIGHT,
-    begin_halves,
     begin_set,
-    cut_set,
-    look_at_set,
     part_weight,
-    stands,
 )
-from hknob_cli.engine.general.sets.friction_piece import V as SPEED
-from hknob_cli.engine.general.sets.friction_piece import X as PLACE
+from hknob_cli.engine.general.sets.friction_set import V as SPEED
+from hknob_cli.engine.general.sets.friction_set import X as PLACE
 
 from .friction_work import SQUARE, body_of, cell_of, drift_of, law_of, room_of, wall_of, work_of, zeros
 from .test_friction_rounding import apart

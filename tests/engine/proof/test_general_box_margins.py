@@ -627,8 +627,9 @@ def test_single_states_are_followed_and_counted(monkeypatch: pytest.MonkeyPatch)
     known: Any = SimpleNamespace(law=SimpleNamespace(watch=wall_of()), table=[0.0] * (FIELDS * 4))
     place = SimpleNamespace(own_z=[7.0, 7.0, 7.0], own_ring=[0.0, 0.0])
     starts, ends = [-1.5, 0.5, -2.5, 0.25, 3.5, 0.0, -7.5, 1.0, 0.5, -1.0, -9.5, 2.0], [9] * 6
-    scope, cell = Scope(1000, 0, 64, 77.0, fine=True), Cell(drift_of(-4.0), known, body, "wall")
-    found = box.sample_with_law(starts, 1, 5, ends, scope, place, cell)
+    wall = wall_of()
+    scope, cell = Scope(1000, 0, 64, 77.0, fine=True), Cell(drift_of(-4.0), known, body, wall)
+    found = box.sample_trials(starts, 1, 5, ends, scope, place, cell)
     assert found == (10 + 100 + 1000 + 10000, 2)
     assert ends == [9, 1, -1, 0, FULL, 9]
     assert [one[:4] for one in told] == [
@@ -637,6 +638,6 @@ def test_single_states_are_followed_and_counted(monkeypatch: pytest.MonkeyPatch)
         ([-7.5, 1.0, 0.0], 0.0, [-4.0, -4.0], 0),
         ([0.5, -1.0, 0.0], 0.0, [0.0, 0.0], 0),
     ]
-    assert all(one[4] == (1000, 77.0, known, body, "wall") for one in told)
+    assert all(one[4] == (1000, 77.0, known, body, wall) for one in told)
     assert [known.table[row * FIELDS + 6] for row in range(4)] == [1.0, 1.0, 0.0, 0.0]
     assert sum(known.table) == 2.0

@@ -46,8 +46,8 @@ class Engine(GeneralSetEngine):
     def by_area(self, _body: Any) -> bool:
         return self.area
 
-    def dimensions(self, _body: Any) -> int:
-        return self.states
+    def plane(self, _body: Any) -> Any:
+        return BODY if self.states == 2 else SimpleNamespace(order=self.states)
 
     def longest(self, _body: Any) -> int:
         return 100
@@ -261,7 +261,7 @@ class Boxes(Cell):
         return self.samples.pop(0) if len(self.samples) > 1 else self.samples[0]
 
     def fill_box(self, *given: Any) -> float:
-        assert given == (BOX, self.room, "turns", "drift", BODY, self.wall)
+        assert given == (BOX, self.room, "turns", "drift", self.engine.plane(BODY), self.wall)
         return float(self.filled)
 
     def follow_generation(self, room: Any, waiting: int, width: float, samples: int, scope: Any, its: Any) -> Any:

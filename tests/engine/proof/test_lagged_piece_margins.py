@@ -6,7 +6,8 @@ import pytest
 
 from hknob_cli.engine.general.sets import friction_piece
 from hknob_cli.engine.general.sets.convex import widest
-from hknob_cli.engine.general.sets.friction_piece import LEG, move_over_part, move_piece
+from hknob_cli.engine.general.sets.friction_piece import move_over_part, move_piece
+from hknob_cli.engine.general.sets.friction_set import LEG
 from hknob_cli.engine.general.sets.friction_step import CUT, ENCLOSED, SLID, Room, Shape
 from hknob_cli.engine.general.sets.lagged_step import DEEPEST, LATER
 from hknob_cli.engine.general.sets.lagged_stops import LAGS, LEFT, LaggedHold
@@ -62,7 +63,7 @@ def test_a_part_is_looked_up_by_its_length_and_its_halvings(monkeypatch: pytest.
     for part, mark, u in ((0.0, 7, 3.0), (0.5, 7, 3.0), (1.0, 8, 4.0), (1.75, 8, 4.0)):
         one = Lagged(monkeypatch)
         one.work.torques[:] = [3.0, 4.0]
-        one.work.acts[:] = [-4.0, 0.25, float(depth)]
+        one.work.acts[:3] = [-4.0, 0.25, float(depth)]
         found = move_over_part(one.work, (part, 1.0, 2.0, 1.0), 4, 0.125, BODY)
         assert found == (SLID, 2.0, 2.0, -2.0, 4)
         assert one.asked == [(-4.0, 0.25, u, mark, depth, depth < DEEPEST)]
@@ -75,7 +76,7 @@ class Moved:
     def __init__(self, one: Lagged, a: float = -4.0, body: Any = BODY) -> None:
         room = make_piece_room(zeros, 3, 0, lattice=8, deep=8)
         room.own[SPREAD] = 0.25
-        one.work.acts[:] = [9.0, 9.0, 9.0]
+        one.work.acts[:3] = [9.0, 9.0, 9.0]
         drift = drift_of((0.5, 0.25, 0.125, 0.0625, 0.03125), blur=0.015625)
         room.corners[: len(SQUARE)] = SQUARE
         told = centre_of([-1.5, 16.0, a], [], error=1.0, level=-2.0, sample=5.0)

@@ -8,7 +8,6 @@ import pytest
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.sets import friction_room
-from hknob_cli.engine.general.sets.friction_piece import ACTS, LEG
 from hknob_cli.engine.general.sets.friction_room import (
     _course,
     _halves,
@@ -18,6 +17,7 @@ from hknob_cli.engine.general.sets.friction_room import (
     make_friction_room,
     plane_of,
 )
+from hknob_cli.engine.general.sets.friction_set import ACTS, LEG
 from hknob_cli.engine.general.sets.lagged_step import DEEPEST
 from hknob_cli.engine.general.sets.lagged_stops import LAGS, LATE_V, LATE_X, LEFT, SPAN, F, G, S
 from hknob_cli.engine.general.slide_two import coefficients

@@ -44,7 +44,15 @@ ANALOG = WALL._replace(analog=1.0)
 
 def law_of(**more: Any) -> Any:
     """It remembers two numbers, and a torque; the second is the count where there is hysteresis."""
-    one = {"line": 2, "drifts": -1, "senses": False, "provable": True, "unproven": CYCLE_NOT_AFFINE, "room": [0.75]}
+    one = {
+        "line": 2,
+        "drifts": -1,
+        "senses": False,
+        "provable": True,
+        "unproven": CYCLE_NOT_AFFINE,
+        "room": [0.75],
+        "watch": WALL,
+    }
     return SimpleNamespace(**(one | {"periodic": [8.0, 8.5, 9.0]} | more))
 
 

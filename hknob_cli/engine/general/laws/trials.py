@@ -6,7 +6,7 @@ from hknob_cli.engine.follow import CYCLE_PROVEN, REST_EDGE, REST_PROVEN, UNSETT
 from hknob_cli.engine.general.body import copy_to
 from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.cogging import has_gone
-from hknob_cli.engine.general.controller import read, read_after
+from hknob_cli.engine.general.controller import read, read_after, told
 from hknob_cli.engine.general.ensemble import begin, count_end, enter_row, find, is_cycle
 from hknob_cli.engine.general.follow import KNOWN
 from hknob_cli.engine.general.jitter import begin_clock, jitters
@@ -80,6 +80,8 @@ def enter_with_law(fate, period, trial, body, wall, law):
         shown = -1.0 if z[0] < 0.0 else 0.0
         if has_curve(wall.curve):
             shown += 2.0 * place_at(z[0], wall.curve)
+    if wall.hysteresis > 0.0 and shown == shown:
+        shown = told(shown, law.watch)
     row = find(fate, period, z, shown, rows, table, states, n)
     if cycle and row == rows:
         status, margin, edge, closure, bound = certify_with_law(z, past, period, body, wall, law, space)

@@ -85,14 +85,15 @@ def sample_box(starts, first, stop, ends, scope, room, cell):
     return taken, unproven
 
 
-def sample_with_law(starts, first, stop, ends, scope, room, cell):
-    """Count where the trials from single states end under a law: as `sample_box`."""
+def sample_trials(starts, first, stop, ends, scope, room, cell):
+    """As `sample_box`, trial by trial: under a law, or with friction behind hysteresis."""
     taken, unproven, law = 0, 0, cell.known.law
     head = 0 * len(room.own_ring)
     for k in range(first, stop):
         begin_sample(starts, k, room)
-        begin_memory(law, acting(room.own_z[0], cell.drift.bottom, law.watch), room.own_ring)
-        start = Centre(room.own_z, 0.0, room.own_ring, head, 0.0, 0.0, 0.0, 1.0)
+        begin_memory(law, acting(room.own_z[0], cell.drift.bottom, watched(law, cell.wall)), room.own_ring)
+        before = remembered(read(room.own_z[0], cell.wall), cell.wall)
+        start = Centre(room.own_z, before, room.own_ring, head, 0.0, 0.0, 0.0, 1.0)
         row, used = seek(start, scope, cell)
         taken += used
         unproven += count_end(row, k, ends, cell.known)

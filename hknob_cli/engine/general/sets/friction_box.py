@@ -15,7 +15,8 @@ from hknob_cli.engine.general.sets.known import NO_ROOM, blame, captor, fate_of,
 from hknob_cli.engine.general.sets.lattice import keep
 from hknob_cli.engine.general.sets.memory import watched
 from hknob_cli.engine.general.sets.piece import COUNT, SAMPLE, SPREAD, STATE, WEIGHT, take
-from hknob_cli.engine.general.sets.readings import acting, steps_deeper
+from hknob_cli.engine.general.sets.readings import steps_deeper
+from hknob_cli.engine.general.sets.turns import count_of, half_of, level_at
 
 OFTEN = 8  # samples from one chance of wide pieces to be merged to the next
 
@@ -25,13 +26,14 @@ def follow_piece(room, work, waiting, width, scope, cell):
 
     ``row``: of the attractor where it ended.
     """
-    drift, known, body = cell.drift, cell.known, cell.body
+    drift, known, body, turns = cell.drift, cell.known, cell.body, cell.known.turns
     own, corners = room.own, room.corners
     size = len(own)
     waiting -= 1
     start = int(room.stack[waiting * size + SAMPLE])
     since, wait, taken = start % scope.patience, scope.patience, 0
     watch = watched(known.law, cell.wall)
+    half = half_of(turns, False, watch)
     while True:
         for k in range(size):
             own[k] = room.stack[waiting * size + k]
@@ -52,8 +54,11 @@ def follow_piece(room, work, waiting, width, scope, cell):
             return waiting, UNPROVEN, -1, taken
         reach = body.reach * centre.error + 8.0 * EPSILON * abs(z[0])
         settled = centre.sample > at
-        level = last if settled else acting(z[0] + least - reach, drift.bottom, watch)
-        high = last if settled else acting(z[0] + most + reach, drift.bottom, watch)
+        level, high = last, last
+        if not settled:
+            shown = count_of(turns, known.law, centre.before, centre.ring)
+            level = level_at(turns, z[0] + least - reach, shown, half, drift.bottom, watch)
+            high = level_at(turns, z[0] + most + reach, shown, half, drift.bottom, watch)
         whole = Centre(z, centre.before, centre.ring, centre.head, centre.error, last, float(at), weight)
         taken += 1
         if level < high:
@@ -96,7 +101,8 @@ def follow_piece(room, work, waiting, width, scope, cell):
 def follow_friction(room, work, waiting, width, samples, scope, cell):
     """Follow pieces until none waits or ``samples`` are taken: ``(waiting, pieces, undecided, samples)``.
 
-    As `box.follow_generation`. Without friction the measures of pieces are areas, which their ends take.
+    As `box.follow_generation`. Without friction the measures of pieces are areas, which their ends take. Behind
+    hysteresis parts of a piece overlap, so that they are bounds.
     """
     ended, undecided, taken, body = 0, 0.0, 0, cell.body
     while waiting > 0 and taken < samples and not body.halt[0] > 0.0:
@@ -105,7 +111,7 @@ def follow_friction(room, work, waiting, width, samples, scope, cell):
         taken += steps
         if fate == UNPROVEN:
             undecided += weight
-        if fate == ENDED and body.friction == 0.0:
+        if fate == ENDED and body.friction == 0.0 and cell.known.turns is None:
             cell.known.table[row * FIELDS + 6] += weight
         if fate != PARTED:
             ended += 1

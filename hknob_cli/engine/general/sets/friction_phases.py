@@ -13,11 +13,12 @@ from hknob_cli.engine.general.sets.box import ENDED, PARTED
 from hknob_cli.engine.general.sets.cell import Centre
 from hknob_cli.engine.general.sets.convex import area_of, widen
 from hknob_cli.engine.general.sets.friction_box import follow_piece
-from hknob_cli.engine.general.sets.friction_piece import part_weight
+from hknob_cli.engine.general.sets.friction_set import part_weight
 from hknob_cli.engine.general.sets.known import NO_ROOM, blame
 from hknob_cli.engine.general.sets.memory import begin_memory, watched
 from hknob_cli.engine.general.sets.piece import WEIGHT, put, within
-from hknob_cli.engine.general.sets.readings import acting, highest, lowest, remembered
+from hknob_cli.engine.general.sets.readings import remembered
+from hknob_cli.engine.general.sets.turns import highest_at, level_at, lowest_at
 from hknob_cli.engine.general.slide_two import coefficients, step_with_friction
 
 FIRST = 16  # intervals to begin with
@@ -40,7 +41,7 @@ def is_narrow(low, high, body):
 
 
 def put_chord(start, span, weight, room, work, cell):
-    """Let the states of an interval of phases wait, at the first sample; how many pieces: with damping, one a reading.
+    """Let the states of an interval of phases wait, at the first sample; how many: one a reading, if that is kept.
 
     ``start``: angle and velocity; ``weight``: measure that a piece without a proven end counts. -1: no room.
     """
@@ -64,21 +65,24 @@ def put_chord(start, span, weight, room, work, cell):
     work.corners[0], work.corners[1], work.corners[2], work.corners[3] = a - x, va - v, b - x, vb - v
     count = widen(work.corners, 2, bulge * 1.001 + 1e-300, bulge_v * 1.001 + 1e-300, work.space)
     error = 4.0 * (drift.once[0] + drift.once[2] * (abs(angle) + abs(x)) + drift.once[3] * fastest)
-    size, watch = len(room.own), watched(law, wall)
+    size, watch, turns = len(room.own), watched(law, wall), cell.known.turns
+    apart = watch.damping > 0.0 or turns is not None
     work.z[0], work.z[1] = x, v
     least, most = work.corners[0], work.corners[0]
     for k in range(1, count):
         least, most = min(least, work.corners[2 * k]), max(most, work.corners[2 * k])
     reach = body.reach * error
     level, last, waiting, whole = 0.0, 0.0, 0, area_of(work.corners, count)
-    if watch.damping > 0.0:
-        level, last = acting(x + least - reach, drift.bottom, watch), acting(x + most + reach, drift.bottom, watch)
+    if apart:
+        level = level_at(turns, x + least - reach, 0.0, 0.0, drift.bottom, watch)
+        last = level_at(turns, x + most + reach, 0.0, 0.0, drift.bottom, watch)
     while level <= last:
         kept = count
         for k in range(2 * count):
             room.halves[k] = work.corners[k]
-        if watch.damping > 0.0:
-            bottom, top = lowest(level, drift.bottom, watch) - reach - x, highest(level, watch) + reach - x
+        if apart:
+            bottom = lowest_at(turns, level, level, 0.0, drift.bottom, watch) - reach - x
+            top = highest_at(turns, level, level, 0.0, watch) + reach - x
             kept = within(room, work.corners, count, bottom, top, 2)
         if kept > 0:
             if (waiting + 1) * size > len(room.stack):

@@ -8,27 +8,33 @@ part remembers what it read. States differ in angle and speed alone: a torque th
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.sets.cell import Centre
 from hknob_cli.engine.general.sets.convex import MOST_CORNERS, area_of, drop_edge, keep_side, widen, widest
+from hknob_cli.engine.general.sets.friction_set import (
+    ACTS,
+    LATE,
+    LEG,
+    LOOK,
+    SHOWN,
+    SPAN,
+    TOLD,
+    TORQUE,
+    F,
+    G,
+    S,
+    begin_set,
+    part_weight,
+    room_for_sets,
+    take_set,
+)
 from hknob_cli.engine.general.sets.friction_step import CUT, HELD, MOST_CUTS, Hold, Room, Shape, move_set
+from hknob_cli.engine.general.sets.friction_turns import tell_count
 from hknob_cli.engine.general.sets.lagged_step import DEEPEST, LATER, depth_at, move_lagged
 from hknob_cli.engine.general.sets.lagged_stops import LAGS, LEFT, LaggedHold
 from hknob_cli.engine.general.sets.memory import command_all, first_look, watched
 from hknob_cli.engine.general.sets.piece import SPREAD, halve, put, within
-from hknob_cli.engine.general.sets.readings import acting, highest, lowest, next_level, remembered
+from hknob_cli.engine.general.sets.readings import remembered
+from hknob_cli.engine.general.sets.turns import count_of, half_of, highest_at, keep_count, level_at, lowest_at, next_at
 
-PART, CUTS, LATE, APART, DEPTH, X, V, WEIGHT, COUNT, CORNERS = range(10)  # numbers of a set within an interval
-# Of these, with a lag: the torque that acts, by which those of its states may differ from it, and halvings of the part
-# of a hold that is to be tried next.
-ACTS = 3
-MOST = MOST_CORNERS + 2 + MOST_CUTS + 2  # corners of one
-SET = CORNERS + 2 * MOST  # numbers of one; then the readings of its looks into the interval so far
-SETS = 256  # of one piece within an interval, at most
-SETS_LOOKED = 2048  # the same where it is cut within the interval, too
-# Numbers of a part of an interval: which of the torques acts, the plant, and which look is at its end, or -1.
-TORQUE, SPAN, S, G, F, LOOK = range(6)
-LEG = 6
 TINY = 1e-290  # a velocity that is not 0; beside one of the centre's size a unit in its last place
-LEAST_PART = 1e-30  # of an area: an end that any state reaches has a share
-LEAST_WEIGHT = 1e-300  # of the part of a part: products of such shares would round to none
 
 
 def stands(v, corners, count):
@@ -37,48 +43,6 @@ def stands(v, corners, count):
         if v + corners[2 * k + 1] != 0.0:
             return False
     return True
-
-
-def part_weight(weight, whole, corners, count, body):
-    """Measure of the starts of a part of a set with this ``weight`` and the area ``whole``; or a bound on it.
-
-    Without friction the differences of all states go by one matrix, which keeps ratios of areas.
-    """
-    if body.friction > 0.0 or not whole > 0.0:
-        return weight
-    return max(weight * min(max(area_of(corners, count) / whole, LEAST_PART), 1.0), LEAST_WEIGHT)
-
-
-def begin_set(work, at, place, cuts, corners, count):
-    """Enter a set that is cut so often in its part of an interval, and has read ``work.seen``.
-
-    ``place``: how many parts of the interval it has passed, its centre's position and velocity, and its weight. With
-    a lag the parts may end in a fraction, and ``work.acts`` has the torque that acts.
-    """
-    looks = len(work.seen)
-    base = at * (SET + looks)
-    work.sets[base + PART], work.sets[base + X], work.sets[base + V], work.sets[base + WEIGHT] = place
-    work.sets[base + CUTS], work.sets[base + COUNT] = float(cuts), float(count)
-    for k in range(ACTS):
-        work.sets[base + LATE + k] = work.acts[k]
-    for k in range(2 * count):
-        work.sets[base + CORNERS + k] = corners[k]
-    for k in range(looks):
-        work.sets[base + SET + k] = work.seen[k]
-
-
-def take_set(work, at):
-    """Leave in ``work`` the set that waits at this place: its place in the interval, how often it is cut, corners."""
-    base = at * (SET + len(work.seen))
-    count = int(work.sets[base + COUNT])
-    for k in range(ACTS):
-        work.acts[k] = work.sets[base + LATE + k]
-    for k in range(2 * count):
-        work.corners[k] = work.sets[base + CORNERS + k]
-    for k in range(len(work.seen)):
-        work.seen[k] = work.sets[base + SET + k]
-    place = work.sets[base + PART], work.sets[base + X], work.sets[base + V], work.sets[base + WEIGHT]
-    return place, int(work.sets[base + CUTS]), count
 
 
 def begin_halves(room, work, at, place, count, body):
@@ -105,24 +69,28 @@ def look_at_set(room, work, at, place, count, error, look, cell):
 
     As `part_piece` does at a sample: each part goes beyond its edges by what ``error`` may come to. -1: no room.
     """
-    drift, body, watch = cell.drift, cell.body, watched(cell.known.law, cell.wall)
+    drift, body, turns, watch = cell.drift, cell.body, cell.known.turns, watched(cell.known.law, cell.wall)
     part, x, v, weight = place
+    half, shown = half_of(turns, False, watch), work.acts[SHOWN - LATE]
     least, most = work.corners[0], work.corners[0]
     for k in range(1, count):
         least, most = min(least, work.corners[2 * k]), max(most, work.corners[2 * k])
     reach = body.reach * error + 8.0 * EPSILON * abs(x)
-    level, last = acting(x + least - reach, drift.bottom, watch), acting(x + most + reach, drift.bottom, watch)
-    whole, room_for = area_of(work.corners, count), len(work.sets) // (SET + len(work.seen))
+    level = level_at(turns, x + least - reach, shown, half, drift.bottom, watch)
+    last = level_at(turns, x + most + reach, shown, half, drift.bottom, watch)
+    whole, room_for = area_of(work.corners, count), room_for_sets(work)
     while level <= last:
-        bottom, top = lowest(level, drift.bottom, watch) - reach - x, highest(level, watch) + reach - x
+        bottom = lowest_at(turns, level, shown, half, drift.bottom, watch) - reach - x
+        top = highest_at(turns, level, shown, half, watch) + reach - x
         kept = within(room, work.corners, count, bottom, top, 2)
         if kept > 0:
             if at + 2 > room_for:
                 return -1
             work.seen[look] = level
+            work.acts[SHOWN - LATE] = level
             share = part_weight(weight, whole, room.halves, kept, body)
             at = begin_halves(room, work, at, (part, x, v, share), kept, body)
-        level = next_level(level, watch)
+        level = next_at(turns, level, watch)
     return at
 
 
@@ -176,7 +144,9 @@ def end_set(room, work, waiting, place, count, centre, cell):
         work.z[2] = work.acts[0]
     for k in range(len(work.seen)):
         work.ring[first_look(cell.known.law) + k] = work.seen[k]
-    before, level, sample = remembered(centre.level, cell.wall), centre.level, centre.sample + 1.0
+    level, sample = centre.level, centre.sample + 1.0
+    before = remembered(level, cell.wall)
+    before = keep_count(cell.known.turns, cell.known.law, work.acts[SHOWN - LATE], before, work.ring)
     end = Centre(work.z, before, work.ring, centre.head, centre.error, level, sample, weight)
     put(room.stack, waiting * size, end, work.corners, count, room.middle, cell.drift, 2)
     room.stack[waiting * size + SPREAD] = work.acts[1]
@@ -189,7 +159,7 @@ def move_piece(room, work, waiting, centre, count, cell):
     It acts as its level. Its centre is left alone. The piece in ``room.own`` says how far torques that lag may differ
     from that of the centre.
     """
-    drift, body, law = cell.drift, cell.body, cell.known.law
+    drift, body, law, turns = cell.drift, cell.body, cell.known.law, cell.known.turns
     z, ring, error, delay = centre.z, centre.ring, centre.error, len(centre.ring)
     for j in range(delay):
         work.ring[j] = ring[(centre.head + j) % delay]
@@ -200,9 +170,10 @@ def move_piece(room, work, waiting, centre, count, cell):
     if body.lag > 0.0:
         work.acts[0], work.acts[1] = z[2], room.own[SPREAD]
         error += drift.once[4] * abs(z[2])
+    work.acts[SHOWN - LATE] = centre.level
     error += drift.blur * widest(room.corners, count, body)
     then = Centre(z, centre.before, ring, to, error, centre.level, centre.sample, centre.weight)
-    legs, most = len(work.course) // LEG, len(work.sets) // (SET + len(work.seen))
+    legs, most = len(work.course) // LEG, room_for_sets(work)
     begin_set(work, 0, (0.0, z[0], z[1], centre.weight), 0, room.corners, count)
     sets = 1
     while sets > 0:
@@ -214,6 +185,13 @@ def move_piece(room, work, waiting, centre, count, cell):
             if waiting < 0:
                 return -1
             continue
+        if turns is not None and work.acts[TOLD - LATE] != part + 1.0:
+            more = tell_count(work, sets, place, cuts, kept, error, cell)
+            if more < 0:
+                return -1
+            if work.acts[TOLD - LATE] != part + 1.0 or more > sets:
+                sets = more
+                continue
         least = work.least[0] if cuts < MOST_CUTS and sets + 2 <= most else float("inf")
         fate, x, v, later, after = move_over_part(work, place, kept, least, body)
         while fate == LATER:
@@ -256,11 +234,13 @@ def part_piece(room, waiting, centre, count, low, high, reach, cell):
     a state truly reads, a part that acts as this reading holds the state. A part waits at the same sample: half a
     sample more says that how it acts is settled.
     """
-    drift, body, watch = cell.drift, cell.body, watched(cell.known.law, cell.wall)
+    drift, body, turns, watch = cell.drift, cell.body, cell.known.turns, watched(cell.known.law, cell.wall)
     size, level, whole = len(room.own), low, area_of(room.corners, count)
-    z, sample = centre.z, centre.sample + 0.5
+    z, sample, half = centre.z, centre.sample + 0.5, half_of(turns, False, watch)
+    shown = count_of(turns, cell.known.law, centre.before, centre.ring)
     while level <= high:
-        bottom, top = lowest(level, drift.bottom, watch) - reach - z[0], highest(level, watch) + reach - z[0]
+        bottom = lowest_at(turns, level, shown, half, drift.bottom, watch) - reach - z[0]
+        top = highest_at(turns, level, shown, half, watch) + reach - z[0]
         kept = within(room, room.corners, count, bottom, top, 2)
         if kept > 0:
             if (waiting + 1) * size > len(room.stack):
@@ -270,5 +250,5 @@ def part_piece(room, waiting, centre, count, low, high, reach, cell):
             put(room.stack, waiting * size, acts, room.halves, kept, room.middle, drift, 2)
             room.stack[waiting * size + SPREAD] = room.own[SPREAD]
             waiting += 1
-        level = next_level(level, watch)
+        level = next_at(turns, level, watch)
     return waiting

@@ -13,7 +13,7 @@ from hknob_cli.engine.general.inner_region import ROUNDINGS, hold_zone
 from hknob_cli.engine.general.sets.friction_piece import stands
 from hknob_cli.engine.general.sets.known import FULL, add_end
 from hknob_cli.engine.general.sets.memory import copy_settled, keeps_torque, settle_memory, watched
-from hknob_cli.engine.general.sets.readings import highest, lowest
+from hknob_cli.engine.general.sets.turns import half_of, highest_at, lowest_at
 from hknob_cli.engine.general.standstill import rest_rounding
 
 UNKNOWN = -1
@@ -29,6 +29,21 @@ def enter_rest(x, shown, u, centre, cell):
     return add_end(REST_PROVEN, 1, shown, 0 * len(centre.ring), known, body, cell.wall)
 
 
+def reading_at(x, level, cell):
+    """What a knob shows that comes to rest at ``x``: behind hysteresis, where all act as ``level``, that."""
+    if cell.known.turns is None:
+        return read(x, cell.wall)
+    return level
+
+
+def span_of(level, cell):
+    """From where to where positions keep ``level``, once it is the reading."""
+    turns, watch = cell.known.turns, watched(cell.known.law, cell.wall)
+    half = half_of(turns, False, watch)
+    bottom = lowest_at(turns, level, level, half, cell.drift.bottom, watch)
+    return bottom, highest_at(turns, level, level, half, watch)
+
+
 def held_rest(span, zone, shift, reach, u, centre, cell):
     """Row of a rest where the states of a ``span`` that stand stay; all readings that it can have are entered.
 
@@ -39,8 +54,8 @@ def held_rest(span, zone, shift, reach, u, centre, cell):
     its end may still move the zone; where it does, all must stand inside what is left of the zone at any time.
     """
     zone_low, zone_high, blur = zone
-    wall, level, watch = cell.wall, centre.level, watched(cell.known.law, cell.wall)
-    bottom, top = lowest(level, cell.drift.bottom, watch), highest(level, watch)
+    wall, turns = cell.wall, cell.known.turns
+    bottom, top = span_of(centre.level, cell)
     low, high = span[0] - reach, span[1] + reach
     if shift > 0.0 and not (zone_low + shift <= low and high <= zone_high - shift):
         return UNKNOWN
@@ -55,6 +70,9 @@ def held_rest(span, zone, shift, reach, u, centre, cell):
     shown = read(max(first, zone_low - blur, bottom + inside), wall)
     end, row = read(min(last, zone_high + blur, top - inside), wall), UNKNOWN
     middle = 0.5 * (max(first, zone_low) + min(last, zone_high))
+    if turns is not None:
+        at = min(max(middle, bottom + inside), top - inside)
+        return enter_rest(at, centre.level, u, centre, cell) if zone_low <= at and at <= zone_high else UNKNOWN
     while shown <= end:
         at = min(max(middle, lower_edge(shown, wall) + inside), upper_edge(shown, wall) - inside)
         if not (zone_low <= at and at <= zone_high):
@@ -71,17 +89,17 @@ def balance_rest(centre, reach, u, wrong, cell):
 
     ``wrong``: bound on the rounding of the torque ``u``.
     """
-    body, z, level = cell.body, centre.z, centre.level
-    watch, away = watched(cell.known.law, cell.wall), cell.known.space.away
+    body, z, away = cell.body, centre.z, cell.known.space.away
+    bottom, top = span_of(centre.level, cell)
     rest = (u + body.drive) / body.beta
     for j in range(body.order):
         away[j] = 0.0  # what a torque that lags still adds is in ``reach``
     away[0], away[1] = z[0] - rest, z[1]
-    gap = min(rest - lowest(level, cell.drift.bottom, watch), highest(level, watch) - rest)
+    gap = min(rest - bottom, top - rest)
     bound = rest_rounding(z, rest, abs(u) + wrong / (ROUNDINGS * EPSILON), body)
     if not (body.reach * norm(away, body) + reach) * (1.0 + 1e-9) + 1e-12 + bound < gap:
         return UNKNOWN
-    return enter_rest(rest, read(rest, cell.wall), u, centre, cell)
+    return enter_rest(rest, reading_at(rest, centre.level, cell), u, centre, cell)
 
 
 def near_rest(centre, reach, u, zone, cell):
@@ -89,12 +107,15 @@ def near_rest(centre, reach, u, zone, cell):
     body, wall, z = cell.body, cell.wall, centre.z
     shown, away = read(z[0], wall), cell.known.space.away
     low, high = lower_edge(shown, wall), upper_edge(shown, wall)
-    if not keeps_torque(cell.known.law, z[0], centre.level, u, wall):
+    if cell.known.turns is not None:
+        low, high = span_of(centre.level, cell)
+        shown = centre.level
+    elif not keeps_torque(cell.known.law, z[0], centre.level, u, wall):
         return UNKNOWN
     for j in range(body.order):
         away[j] = 0.0
     for k in range(2):
-        rest = min(max(z[0] if k == 0 else 0.5 * (low + high), zone[0]), zone[1])
+        rest = min(max(z[0] if k == 0 or high == float("inf") else 0.5 * (low + high), zone[0]), zone[1])
         away[0], away[1] = z[0] - rest, z[1]
         gap = min(rest - low, high - rest)
         if (body.reach * norm(away, body) + reach) * (1.0 + 1e-9) + 64.0 * EPSILON * (1.0 + abs(rest)) < gap:

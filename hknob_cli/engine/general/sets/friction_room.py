@@ -12,7 +12,7 @@ from hknob_cli.engine.general.laws.law import PIECE, Law
 from hknob_cli.engine.general.laws.law import SPAN as LAW_SPAN
 from hknob_cli.engine.general.laws.law import TORQUE as LAW_TORQUE
 from hknob_cli.engine.general.sets.drift import POINT, Drift, exponential, product, whole_matrix
-from hknob_cli.engine.general.sets.friction_piece import ACTS, LEG, MOST, SET, SETS, SETS_LOOKED
+from hknob_cli.engine.general.sets.friction_set import ACTS, LEG, MOST, SET, SETS, SETS_LOOKED
 from hknob_cli.engine.general.sets.friction_step import parts_of_hold
 from hknob_cli.engine.general.sets.lagged_step import DEEPEST
 from hknob_cli.engine.general.sets.lagged_stops import LAGS

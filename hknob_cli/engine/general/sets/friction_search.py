@@ -10,7 +10,7 @@ from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.attractors import Search, StoppedError, ranked, time_allowed, whole
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller
-from hknob_cli.engine.general.sets import friction_box, friction_phases
+from hknob_cli.engine.general.sets import box, friction_box, friction_phases
 from hknob_cli.engine.general.sets.drift import Drift
 from hknob_cli.engine.general.sets.ends import Known, ends_of, why_not
 from hknob_cli.engine.general.sets.friction_phases import FIRST, HALVINGS
@@ -44,6 +44,10 @@ class FrictionSetEngine(GeneralSetEngine):
         work = make_friction_room(self._zeros, self._filled, _delay_line, _body, _wall, self.law)
         follow = self._function(friction_box, "follow_friction")
         return lambda room, *rest: follow(room, work, *rest)
+
+    def sampler(self, wall: Controller) -> Callable[..., Any]:
+        """As that of `GeneralSetEngine`; behind hysteresis trials are followed, which friction may stop."""
+        return self._function(box, "sample_box" if wall.hysteresis == 0.0 else "sample_trials")
 
     def drift(self, body: Body, wall: Controller) -> Drift:
         """As that of `GeneralSetEngine`."""

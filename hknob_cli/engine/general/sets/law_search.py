@@ -22,6 +22,7 @@ from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.attractors import USUAL, Patience
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.captured import FIELDS
+from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.laws.law import Law
 from hknob_cli.engine.general.laws.step import begin_past
 from hknob_cli.engine.general.sets import box
@@ -65,9 +66,9 @@ class _UnderLaw(GeneralSetEngine):
                 room.stack[first + j] = past[j]
         return waiting
 
-    def sampler(self) -> Callable[..., Any]:
-        """What counts the ends of single states, `box.sample_with_law`."""
-        return self._function(box, "sample_with_law")
+    def sampler(self, _wall: Controller) -> Callable[..., Any]:
+        """What counts the ends of single states, `box.sample_trials`."""
+        return self._function(box, "sample_trials")
 
 
 class LawSetEngine(_UnderLaw, FrictionSetEngine):
@@ -78,8 +79,12 @@ class LawSetEngine(_UnderLaw, FrictionSetEngine):
         return PHASES if body.friction > 0.0 else PHASES_ALONE
 
     def by_area(self, body: Body) -> bool:
-        """Whether shares of ranges are areas, which friction does not keep."""
-        return body.friction == 0.0
+        """Whether shares of ranges are areas, which friction does not keep; behind hysteresis parts overlap."""
+        return body.friction == 0.0 and self.law.watch.hysteresis == 0.0
+
+    def merges(self, body: Body) -> bool:
+        """As that of `GeneralSetEngine`; without friction measures are areas, which a merged piece does not tell."""
+        return body.friction > 0.0
 
     def _sample(self, states: Box, scope: Scope, room: Any, cell: Cell, alarm: Alarm) -> tuple[int, int, int]:
         """As that of `GeneralSetEngine`. Where shares are areas, random starts only find ends to compare with."""

@@ -91,7 +91,7 @@ class GeneralSetEngine:
         """What follows the pieces that wait, `box.follow_generation`."""
         return self._function(box, "follow_generation")
 
-    def sampler(self) -> Callable[..., Any]:
+    def sampler(self, _wall: Controller) -> Callable[..., Any]:
         """What counts the ends of single states, `box.sample_box`."""
         return self._function(box, "sample_box")
 
@@ -99,19 +99,19 @@ class GeneralSetEngine:
         """Whether shares of a box are those of its area, whose pieces are not merged, and not of random starts."""
         return False
 
+    def merges(self, body: Body) -> bool:
+        """Whether pieces are merged: those that differ in two numbers."""
+        return self.plane(body).order == 2 and not self.by_area(body)
+
     def plane(self, body: Body) -> Body:
         """The body with the numbers in which the states of a piece may differ: all."""
         return body
-
-    def dimensions(self, body: Body) -> int:
-        """In how many numbers the states of a piece may differ; pieces of two are merged."""
-        return self.plane(body).order
 
     def room(self, body: Body, delay_line: int) -> PieceRoom:
         """Work space for the pieces of a cell."""
         key = body.order, delay_line
         if key not in self._rooms:
-            cells = CELLS if self.dimensions(body) == 2 else 1
+            cells = CELLS if self.plane(body).order == 2 else 1
             self._rooms = {key: make_piece_room(self._zeros, *key, lattice=cells)}
         return self._rooms[key]
 
@@ -123,7 +123,7 @@ class GeneralSetEngine:
         """A cell as the functions of this engine want it, its tables empty."""
         n, drift = body.order, self.drift(body, wall)
         known = make_known(self._zeros, n, delay_line, make_space(n, delay_line, self._zeros), self.law)
-        known = known._replace(turns=make_turn_room(self._zeros, n, delay_line, wall, self.law))
+        known = known._replace(turns=make_turn_room(self._zeros, self.plane(body).order, delay_line, wall, self.law))
         if not self.compiled:
             return Cell(drift, known, body, as_list(wall))
         arrays = Drift._make(np.array(v) if isinstance(v, list) else v for v in drift)
@@ -233,9 +233,7 @@ class GeneralSetEngine:
             if waiting < 0:
                 waiting, undecided, why = 0, 1.0, Reason.TOO_MANY
             across = max(states.high_x - states.low_x, (states.high_v - states.low_v) * body.reach)
-            width = (
-                across / WIDEST if self.dimensions(body) == 2 and not self.by_area(body) else 0.0
-            )  # pieces that differ in more are not merged
+            width = across / WIDEST if self.merges(body) else 0.0
             for generation in range(GENERATIONS):
                 while waiting and not alarm.over and taken <= self.longest(body):
                     if self.stopped():
@@ -314,7 +312,7 @@ class GeneralSetEngine:
         for k in range(SAMPLED):
             starts[2 * k] = chance.uniform(states.low_x, states.high_x)
             starts[2 * k + 1] = chance.uniform(states.low_v, states.high_v)
-        sample = self.sampler()
+        sample = self.sampler(cell.wall)
         taken, unproven, followed, chunk = 0, 0, 0, max(1, SLICE // max(scope.skip, 1))
         while followed < SAMPLED and not alarm.over:
             if self.stopped():

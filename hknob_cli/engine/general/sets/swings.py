@@ -5,7 +5,7 @@ affine in it; the lowest is concave. So over a polygon the highest place is at m
 corners, and at least the place that each state has when some state is highest.
 """
 
-from hknob_cli.engine.general.controller import read
+from hknob_cli.engine.general.controller import read, told
 from hknob_cli.engine.general.hysteresis import pass_still
 from hknob_cli.engine.general.sets.turns import (
     ABOVE,
@@ -29,7 +29,6 @@ from hknob_cli.engine.general.sets.turns import (
     find_swing,
     stays_down,
     stays_up,
-    told,
     turned_count,
 )
 from hknob_cli.engine.general.slide_two import coefficients

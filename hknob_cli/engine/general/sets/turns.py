@@ -10,7 +10,7 @@ Counts outside of a wall are told as one, unless each counts by itself.
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.advance import FREE, next_mode, slide
 from hknob_cli.engine.general.body import acceleration, norm, rate_of
-from hknob_cli.engine.general.controller import command, lower_edge, read, upper_edge
+from hknob_cli.engine.general.controller import command, lower_edge, read, told, upper_edge
 from hknob_cli.engine.general.hysteresis import commands_of, pass_still, way_at_most
 from hknob_cli.engine.general.laws.law import PIECE, SPAN, TORQUE
 from hknob_cli.engine.general.laws.step import decide
@@ -18,7 +18,6 @@ from hknob_cli.engine.general.sets.memory import step_error, watched
 from hknob_cli.engine.general.sets.readings import acting, count_levels, highest, lowest, next_level
 from hknob_cli.engine.general.slide_many import sliding_bound
 from hknob_cli.engine.general.slide_two import way
-from hknob_cli.engine.general.torque_table import is_there
 
 STILL = 1e-12  # of a place: what goes no farther is not followed from turning point to turning point
 DOUBT = 8.0  # times the error of a place: as near to an edge a sample is read both ways
@@ -43,11 +42,6 @@ def half_of(turns, first, wall):
     if turns is None:
         return 0.0
     return 0.0 if first else 0.5 * wall.hysteresis
-
-
-def told(shown, wall):
-    """The count that stands for all that are told as one."""
-    return shown if wall.damping > 0.0 or is_there(wall.table) else min(shown, 0.0)
 
 
 def ball_reach(turns, radius, error, body):

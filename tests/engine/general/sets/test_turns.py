@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from hknob_cli.engine.general.advance import advance_span
 from hknob_cli.engine.general.captured import FIELDS
-from hknob_cli.engine.general.controller import read, read_after
+from hknob_cli.engine.general.controller import read, read_after, told
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.sets.arc import fill_arcs, follow_arcs
 from hknob_cli.engine.general.sets.cell import Cell
@@ -36,7 +36,6 @@ from hknob_cli.engine.general.sets.turns import (
     levels_between,
     lowest_at,
     next_at,
-    told,
     turned_count,
 )
 from hknob_cli.engine.outcome import Reason
