@@ -54,6 +54,8 @@ GENERAL = (
     "general.cog_rest",
     "general.standstill",
     "general.captured",
+    "general.looks",
+    "general.checkpoint",
     "general.follow",
     "general.ensemble",
     "general.trace",

@@ -36,7 +36,7 @@ import numpy as np
 
 from hknob_cli.engine.absent import deciding
 
-INLINED = ("decide", "advance_with_law", "turn_with_law", "move_piece_columns", "rub_columns")
+INLINED = ("decide", "advance_with_law", "turn_with_law", "move_piece_columns", "rub_columns", "end_of", "end_with_law")
 ALONE = ("round_to_step",)
 SCALAR = "hknob_cli.engine.general"  # loops in here gain nothing by being vectorised or unrolled
 # Steps of numba's for what the engine does not have: `with`, closures, errors raised, loops over literals, inlining in

@@ -133,6 +133,11 @@ WATCHED: dict[str, tuple[str, ...]] = {
         f"{PROOF}test_friction_alone_margins.py",
         f"{GENERAL}test_inner_region.py",
     ),
+    "general/looks.py": (
+        *(f"{PROOF}test_general_{name}_margins.py" for name in ("follow", "trial")),
+        f"{GENERAL}test_inner_region.py",
+    ),
+    "general/checkpoint.py": (f"{PROOF}test_general_trial_margins.py", f"{PROOF}test_law_trial_margins.py"),
     "general/hysteresis.py": (f"{PROOF}test_hysteresis_margins.py", f"{GENERAL}test_turning_points.py", *ABSENT),
     "general/body.py": (f"{GENERAL}test_body.py",),
     "general/slide_two.py": (f"{PROOF}test_two_state_slides.py", f"{GENERAL}test_slides.py"),

@@ -2,7 +2,8 @@
 
 from hknob_cli.engine.follow import CYCLE_PROVEN
 from hknob_cli.engine.general.cogging import far_apart, gap_apart
-from hknob_cli.engine.general.controller import inside
+from hknob_cli.engine.general.controller import depth_level, inside
+from hknob_cli.engine.general.torque_curve import has_curve, place_at
 
 FIELDS = 10  # of an attractor: fate, period, margin, edge, closure, bound, trials, least, most position, reading before
 LOOK_AGAIN = 64  # samples after which a motion that may stand still is compared
@@ -55,6 +56,21 @@ def turn_level(shown, last, level):
     if shown == last:
         return level
     return 1.0 if shown > last else 0.0
+
+
+def first_level(shown, wall):
+    """The level before a trial's first sample, which shows ``shown``."""
+    return 0.0 if has_curve(wall.curve) else depth_level(shown, wall)
+
+
+def changes_level(shown, last, level, wall):
+    """The level of a sample that shows ``shown``, after ``last`` and ``level``: ``(level, whether it acts alike)``."""
+    now = depth_level(shown, wall)
+    same = now == level if wall.analog == 0.0 else (shown < 0.0) == (last < 0.0)
+    if has_curve(wall.curve):
+        now = turn_level(shown, last, level)
+        same = same and place_at(shown, wall.curve) == place_at(last, wall.curve)
+    return now, same
 
 
 def came_back(trial, head, chead, body):

@@ -5,29 +5,38 @@ from hknob_cli.engine.follow import (
     CYCLE_CONTINUUM,
     CYCLE_ON_EDGE,
     CYCLE_PROVEN,
-    FIRST_REST_TEST,
     FIRST_TOLERANCE,
     GREW,
-    LEFT,
-    REST_EDGE,
-    REST_PROVEN,
-    UNDAMPED,
     UNSETTLED,
     same_line,
 )
 from hknob_cli.engine.general.body import copy_to
-from hknob_cli.engine.general.captured import LOOK_AGAIN, came_back, captured, has_period, may_be_captured, turn_level
+from hknob_cli.engine.general.captured import (
+    LOOK_AGAIN,
+    came_back,
+    captured,
+    changes_level,
+    first_level,
+    has_period,
+    may_be_captured,
+)
+from hknob_cli.engine.general.checkpoint import (
+    Attempts,
+    Checkpoint,
+    Repeat,
+    compare_with_checkpoint,
+    keep_checkpoint,
+    leave_at,
+    pass_event,
+)
 from hknob_cli.engine.general.cogging import gap_apart, has_cogs, has_gone
 from hknob_cli.engine.general.controller import command, depth_level, inside, read, read_after
-from hknob_cli.engine.general.inner_region import stands
 from hknob_cli.engine.general.interval import advance, advance_jittering, rubs_alone
 from hknob_cli.engine.general.jitter import jitters
 from hknob_cli.engine.general.laws.law import REST_NOT_PROVEN
+from hknob_cli.engine.general.looks import GOES_ON, last_look, look_again, no_looks, unsettled
 from hknob_cli.engine.general.orbit_proof import AT_EVENT, EXPANDS, PARTS, certify
 from hknob_cli.engine.general.slide_two import step_with_friction
-from hknob_cli.engine.general.standstill import SETTLING, is_followed, settles
-from hknob_cli.engine.general.torque_curve import has_curve, place_at
-from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, REST_ON_EDGE, RINGS
 
 CYCLE_AT_EVENT = 9
 CYCLE_EXPANDS = 10
@@ -89,23 +98,6 @@ def closes_in(trial, before, head, period, gap, body, wall):
     return body.play > 0.0 or has_cogs(body.cogs) or gap_apart(body.cogs, space.away, body) <= gap
 
 
-def contracts_to_rest(trial, shown, before, head, body, wall):
-    """Whether the loop of a continuous sensor, whose intervals are alike, is proven to bring a trial to rest.
-
-    Then its state and delay line are left as they are there.
-    """
-    z, ring, space = trial.z, trial.ring, trial.space
-    if not is_followed(shown, wall) or jitters(wall.clock):
-        return False
-    status, _, _, _, _ = certify(z, before, ring, head, 1, body, wall, space)
-    if status != PROVEN:
-        return False
-    copy_to(z, space.orbit)
-    z[1] = 0.0
-    copy_to(ring, space.orbit_line)
-    return True
-
-
 def downgrade(status):
     """Fate of a periodic motion by the ``status`` of a proof that has failed."""
     if status == ON_EDGE:
@@ -117,54 +109,24 @@ def downgrade(status):
     return CYCLE_EXPANDS if status == EXPANDS else UNSETTLED
 
 
+def fate_of(status):
+    """Fate of a periodic motion by the ``status`` of its proof."""
+    if status == PROVEN:
+        return CYCLE_PROVEN
+    return CYCLE_CONTINUUM if status == NEUTRAL else downgrade(status)
+
+
+def repeats(status):
+    """Whether a proof that has failed is of a motion that repeats all the same."""
+    return status != WAIT and status != DIFFERENT and status != NOT_CAPTURED
+
+
 def beside_orbit(trial, body):
     """How far a trial is from the orbit that the last proof was of, by `cogging.gap_apart`."""
     away = trial.space.away
     for j in range(body.order):
         away[j] = trial.z[j] - trial.space.orbit[j]
     return gap_apart(body.cogs, away, body)
-
-
-def look_at_rest(trial, shown, before, head, body, wall):
-    """What becomes of a trial that may come to rest: ``(fate, reading, settling)``; at rest it is left there.
-
-    `UNSETTLED` if nothing is known; ``settling``: whether its reading never changes, and friction brings it to rest.
-    """
-    z, ring, space = trial.z, trial.ring, trial.space
-    fate, _ = settles(z, shown, before, ring, body, wall, space.orbit, space.away)
-    settling = fate == SETTLING
-    if fate == AT_REST or (settling and stands(z, before, ring, head, body, wall, space)):
-        copy_to(z, space.orbit)
-        return REST_PROVEN, shown if wall.hysteresis > 0.0 else before, settling
-    if fate == MOVING and contracts_to_rest(trial, shown, before, head, body, wall):
-        return REST_PROVEN, z[0], settling
-    if fate == LEAVES:
-        return LEFT, before, settling
-    if fate == RINGS:
-        return UNDAMPED, before, settling
-    return REST_EDGE if fate == REST_ON_EDGE else UNSETTLED, before, settling
-
-
-def last_look(trial, shown, before, head, body, wall, settling, on_edge):
-    """What a trial has come to that gets no more samples: ``(fate, period, reading)``; as `look_at_rest`.
-
-    ``settling`` and ``on_edge``: of the last such look. Looks grow rare: without one more, the share at rest could fall
-    when the limit is raised.
-    """
-    z, ring, space = trial.z, trial.ring, trial.space
-    if not on_edge:
-        shown = read_after(z[0], before, wall)
-    fate, _ = settles(z, shown, before, ring, body, wall, space.orbit, space.away)
-    if on_edge:
-        if fate == REST_ON_EDGE:
-            copy_to(z, space.orbit)
-        return REST_EDGE, 1, before
-    if settling or fate == SETTLING or fate == AT_REST:
-        copy_to(z, space.orbit)
-        return REST_PROVEN, 1, shown if wall.hysteresis > 0.0 else before
-    if fate == MOVING and contracts_to_rest(trial, shown, before, head, body, wall):
-        return REST_PROVEN, 1, z[0]
-    return (UNSETTLED if body.damped else UNDAMPED), 0, before
 
 
 def prove_repeat(trial, before, head, since, gap, body, wall):
@@ -187,14 +149,44 @@ def tolerance_after(status, gap, margin, trial, body):
     return 0.5 * gap
 
 
-def changes_level(shown, last, level, wall):
-    """The level of a sample that shows ``shown``, after ``last`` and ``level``: ``(level, whether it acts alike)``."""
-    now = depth_level(shown, wall)
-    same = now == level if wall.analog == 0.0 else (shown < 0.0) == (last < 0.0)
-    if has_curve(wall.curve):
-        now = turn_level(shown, last, level)
-        same = same and place_at(shown, wall.curve) == place_at(last, wall.curve)
-    return now, same
+def end_of(trial, before, head, limit, body, wall):
+    """What a sample alone says of a trial: ``(fate, row)``: it is to stop, has grown, or is on a known orbit."""
+    if body.halt[0] > 0.0:
+        return UNSETTLED, 0
+    if has_gone(body.cogs, trial.z, limit):
+        return GREW, 0
+    if wall.analog == 0.0 and may_be_captured(trial.z[0], trial, body):
+        row = captured(trial, before, head, body, wall)
+        if row >= 0:
+            return KNOWN, row
+    return GOES_ON, 0
+
+
+def keep_repeat(status, since, head, trial, body):
+    """Keep an orbit that is not proven: ``(kept, near)``; whether a trial so near to it is not followed further."""
+    space = trial.space
+    copy_to(trial.keep, space.orbit)
+    copy_to(trial.keep_ring, space.orbit_line)
+    near = status == PARTS and beside_orbit(trial, body) < BESIDE
+    return Repeat(fate_of(status), since, space.reading[0], head), near
+
+
+def try_return(i, since, tries, trial, before, head, body, wall):
+    """Try to prove an orbit of a trial that comes back after ``since`` samples, at sample ``i``: ``(status, tries)``.
+
+    `WAIT` where it is not as near as it must be, or seems to be on an orbit known already.
+    """
+    compare_with_checkpoint(trial, body)
+    gap = gap_apart(body.cogs, trial.space.away, body)
+    if not gap < tries.tolerance or i < tries.wait:
+        return WAIT, tries
+    known = wall.analog == 0.0 and has_period(since, int(trial.counts[0]), trial.table)
+    if known and gap > 0.0 and tries.left_alone < PATIENCE:
+        # Probably an orbit known already, whose deepest sample will show it.
+        return WAIT, Attempts(0.25 * gap, tries.left_alone + 1, tries.wait)
+    status, margin = prove_repeat(trial, before, head, since, gap, body, wall)
+    wait = i + PROOF_COST * since if wall.analog > 0.0 else tries.wait
+    return status, Attempts(tolerance_after(status, gap, margin, trial, body), tries.left_alone, wait)
 
 
 def follow_trial(trial, before, head, budget, body, wall):
@@ -213,96 +205,52 @@ def follow_trial(trial, before, head, budget, body, wall):
     """
     z, ring, space = trial.z, trial.ring, trial.space
     samples = budget.samples - budget.skip
-    have, events, next_checkpoint, since = False, 0, 1, 0
-    chead, tolerance = head, FIRST_TOLERANCE
-    kept, kept_fate, kept_head, kept_before = 0, CYCLE_ON_EDGE, head, before
-    on_edge, settling = False, False
+    mark, tries, since = Checkpoint(head, 0, 0, 1), Attempts(FIRST_TOLERANCE, 0, 0), 0
+    kept = Repeat(CYCLE_ON_EDGE, 0, before, head)
+    run, looks = 0, no_looks()
     shown = read(z[0], wall)
-    level = 0.0 if has_curve(wall.curve) else depth_level(shown, wall)
-    run, next_test = 0, FIRST_REST_TEST
-    left_alone, wait = 0, 0
+    level = first_level(shown, wall)
     rubs = rubs_alone(ring, body, wall)
     i = 0
     while i < samples:
-        x = z[0]
-        if body.halt[0] > 0.0:
-            return UNSETTLED, 0, before, head, i
-        if has_gone(body.cogs, z, budget.limit):
-            return GREW, 0, before, head, i
-        if wall.analog == 0.0 and may_be_captured(x, trial, body):
-            row = captured(trial, before, head, body, wall)
-            if row >= 0:
-                return KNOWN, row, before, head, i
-        last = shown
+        fate, row = end_of(trial, before, head, budget.limit, body, wall)
+        if fate != GOES_ON:
+            return fate, row, before, head, i
+        x, last, level_before = z[0], shown, level
         shown = read_after(x, before, wall)
-        level_before = level
         level, same = changes_level(shown, last, level, wall)
         if same:
             run += 1
-            if run >= next_test:
-                next_test = 2 * run
-                fate, reading, settles_now = look_at_rest(trial, shown, before, head, body, wall)
-                settling = settling or settles_now
-                on_edge = fate == REST_EDGE
-                if fate == REST_PROVEN:
-                    return fate, 1, reading, head, i
-                if fate == LEFT or fate == UNDAMPED:
-                    return fate, 0, before, head, i
+            if run >= looks.due:
+                fate, period, reading, looks = look_again(run, looks, trial, shown, before, head, body, wall)
+                if fate != GOES_ON:
+                    return fate, period, reading, head, i
         else:
-            run, next_test = 0, FIRST_REST_TEST
-            on_edge, settling = False, False
-        if jitters(wall.clock) and wall.analog > 0.0 and i % LOOK_AGAIN == 0:
-            if have and came_back(trial, head, chead, body):
-                return REST_NOT_PROVEN, 1, before, head, i
-            have, chead = True, head
-            copy_to(trial.check, z)
-            copy_to(trial.check_ring, ring)
-        if level < level_before and not jitters(wall.clock):
-            if have:
-                for j in range(body.order):
-                    space.away[j] = z[j] - trial.check[j]
-                gap = gap_apart(body.cogs, space.away, body)
-                if gap < tolerance and (wall.analog > 0.0 or same_line(ring, head, trial.check_ring, chead)):
-                    status, margin = DIFFERENT, 0.0
-                    known = wall.analog == 0.0 and has_period(since, int(trial.counts[0]), trial.table)
-                    if i < wait:
-                        status = WAIT
-                    elif known and gap > 0.0 and left_alone < PATIENCE:
-                        # Probably an orbit known already, whose deepest sample will show it.
-                        status, left_alone = WAIT, left_alone + 1
-                        tolerance = 0.25 * gap
-                    else:
-                        status, margin = prove_repeat(trial, before, head, since, gap, body, wall)
-                        if wall.analog > 0.0:
-                            wait = i + PROOF_COST * since
-                    if status == PROVEN or status == NEUTRAL:
-                        copy_to(z, space.orbit)
-                        copy_to(ring, space.orbit_line)
-                        fate = CYCLE_PROVEN if status == PROVEN else CYCLE_CONTINUUM
-                        return fate, since, space.reading[0], head, i
-                    if status == ON_EDGE or status == AT_EVENT or status == EXPANDS or status == PARTS:
-                        kept, kept_head, kept_before = since, head, space.reading[0]
-                        kept_fate = downgrade(status)
-                        copy_to(trial.keep, space.orbit)
-                        copy_to(trial.keep_ring, space.orbit_line)
-                        if status == PARTS and beside_orbit(trial, body) < BESIDE:
-                            copy_to(z, trial.keep)
-                            copy_to(ring, trial.keep_ring)
-                            return CYCLE_PARTS, since, kept_before, head, i
-                    if status != WAIT:
-                        tolerance = tolerance_after(status, gap, margin, trial, body)
-            events += 1
-            if events == next_checkpoint:
-                next_checkpoint = 2 * events
-                have, since = True, 0
-                chead, tolerance = head, FIRST_TOLERANCE
-                copy_to(trial.check, z)
-                copy_to(trial.check_ring, ring)
+            run, looks = 0, no_looks()
+        if jitters(wall.clock):
+            if wall.analog > 0.0 and i % LOOK_AGAIN == 0:
+                if i > 0 and came_back(trial, head, mark.head, body):
+                    return REST_NOT_PROVEN, 1, before, head, i
+                mark = keep_checkpoint(trial, head, 1)
+        elif level < level_before:
+            if mark.begun > 0 and (wall.analog > 0.0 or same_line(ring, head, trial.check_ring, mark.head)):
+                status, tries = try_return(i, since, tries, trial, before, head, body, wall)
+                if status == PROVEN or status == NEUTRAL:
+                    leave_at(trial, space.orbit, space.orbit_line)
+                    return fate_of(status), since, space.reading[0], head, i
+                if repeats(status):
+                    kept, near = keep_repeat(status, since, head, trial, body)
+                    if near:
+                        leave_at(trial, trial.keep, trial.keep_ring)
+                        return kept.fate, since, kept.before, head, i
+            mark = pass_event(mark, trial, head)
+            if mark.begun == mark.events:
+                since, tries = 0, Attempts(FIRST_TOLERANCE, tries.left_alone, tries.wait)
         if since < len(space.trail):
             space.trail[since] = shown
         since += 1
         if rubs:
-            most = min(samples - i, next_test - run) - 1
+            most = min(samples - i, looks.due - run) - 1
             z[0], z[1], shown, more = rub_on(x, z[1], shown, most, since, budget.limit, trial, body, wall)
             before, since, run, i = shown, since + more, run + more, i + more
         elif jitters(wall.clock):
@@ -311,10 +259,9 @@ def follow_trial(trial, before, head, budget, body, wall):
             before, head = advance(z, before, ring, head, body, wall, space.pad)
         i += 1
     if not budget.final:  # what has repeated without proof may yet be left, or proven
-        return (UNSETTLED if body.damped else UNDAMPED), 0, before, head, samples
-    if kept > 0:
-        copy_to(z, trial.keep)
-        copy_to(ring, trial.keep_ring)
-        return kept_fate, kept, kept_before, kept_head, samples
-    fate, period, before = last_look(trial, shown, before, head, body, wall, settling, on_edge)
+        return unsettled(body), 0, before, head, samples
+    if kept.period > 0:
+        leave_at(trial, trial.keep, trial.keep_ring)
+        return kept.fate, kept.period, kept.before, kept.head, samples
+    fate, period, before = last_look(trial, shown, before, head, body, wall, looks)
     return fate, period, before, head, samples

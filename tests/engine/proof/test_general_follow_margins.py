@@ -7,12 +7,13 @@ import pytest
 
 from hknob_cli.engine.certificate import DIFFERENT, NOT_CAPTURED, PROVEN
 from hknob_cli.engine.follow import CYCLE_ON_EDGE, CYCLE_PROVEN
-from hknob_cli.engine.general import follow
+from hknob_cli.engine.general import follow, looks
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.captured import FIELDS, captured, has_period, may_be_captured
 from hknob_cli.engine.general.controller import Controller, read
-from hknob_cli.engine.general.follow import closes_in, contracts_to_rest
+from hknob_cli.engine.general.follow import closes_in
 from hknob_cli.engine.general.interval import advance
+from hknob_cli.engine.general.looks import contracts_to_rest
 from hknob_cli.engine.general.search import make_space
 from tests.engine.trial_space import trial_of
 
@@ -191,7 +192,7 @@ def contracts(
 
     z, ring = [x, 0.125], [1.0, 2.0]
     with monkeypatch.context() as patch:
-        patch.setattr(follow, "certify", certify)
+        patch.setattr(looks, "certify", certify)
         whether = contracts_to_rest(trial_of(z, ring, space), read(x, wall), -2.0, 1, body(), wall)
     return bool(whether), z, ring, asked
 

@@ -23,6 +23,7 @@ from hknob_cli.engine.follow import (
     UNSETTLED,
 )
 from hknob_cli.engine.general import follow
+from hknob_cli.engine.general import looks as rest
 from hknob_cli.engine.general.captured import LOOK_AGAIN
 from hknob_cli.engine.general.follow import (
     BESIDE,
@@ -74,8 +75,10 @@ class Trial:
         self.more = {"closes": True, "captor": -1, "stands": False, "contracts": False, "margin": 0.0, "orbit": ORBIT}
         self.more |= more
         self.lines: list[list[float]] = more.get("lines", [[]] * len(states))
-        for name in ("advance", "certify", "settles", "stands", "captured", "closes_in", "contracts_to_rest"):
+        for name in ("advance", "certify", "captured", "closes_in"):
             patch.setattr(follow, name, getattr(self, name))
+        for name in ("settles", "stands", "contracts_to_rest"):
+            patch.setattr(rest, name, getattr(self, name))
         patch.setattr(follow, "step_with_friction", self.slide)
 
     def advance(self, z: Any, before: float, ring: Any, head: int, one: Any, wall: Any, pad: Any) -> Any:

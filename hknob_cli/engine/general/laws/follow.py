@@ -5,7 +5,6 @@ from hknob_cli.engine.follow import (
     CYCLE_CONTINUUM,
     CYCLE_ON_EDGE,
     CYCLE_PROVEN,
-    FIRST_REST_TEST,
     FIRST_TOLERANCE,
     GREW,
     REST_EDGE,
@@ -15,9 +14,17 @@ from hknob_cli.engine.follow import (
 )
 from hknob_cli.engine.general.body import copy_to
 from hknob_cli.engine.general.captured import CLOSE, FIELDS, LOOK_AGAIN, has_period, may_be_captured, turn_level
+from hknob_cli.engine.general.checkpoint import (
+    Attempts,
+    Checkpoint,
+    compare_with_checkpoint,
+    keep_checkpoint,
+    leave_at,
+    pass_event,
+)
 from hknob_cli.engine.general.cogging import gap_apart, has_gone
 from hknob_cli.engine.general.controller import depth_level, read_after
-from hknob_cli.engine.general.follow import BESIDE, KNOWN, PATIENCE, WAIT, downgrade
+from hknob_cli.engine.general.follow import BESIDE, KNOWN, PATIENCE, WAIT, downgrade, repeats
 from hknob_cli.engine.general.jitter import jitters
 from hknob_cli.engine.general.laws.cascade import (
     apart,
@@ -32,6 +39,7 @@ from hknob_cli.engine.general.laws.law import AT_SWITCH, CYCLE_AT_SWITCH, REST_N
 from hknob_cli.engine.general.laws.period import REPEATS, certify_with_law
 from hknob_cli.engine.general.laws.rest import settles_with_law
 from hknob_cli.engine.general.laws.step import advance_jittering_with_law, advance_with_law
+from hknob_cli.engine.general.looks import GOES_ON, go_on, no_looks, unsettled
 from hknob_cli.engine.general.orbit_proof import EXPANDS, PARTS
 from hknob_cli.engine.general.standstill import SETTLING
 from hknob_cli.engine.general.torque_curve import has_curve, place_at
@@ -163,6 +171,69 @@ def keep_repeat(trial, status, gap, body, wall, law):
     return not law.provable and (wall.analog == 0.0 or gap <= CLOSE * (1.0 + abs(x)))
 
 
+def end_with_law(trial, limit, body, law):
+    """What a sample alone says of a trial: ``(fate, row)``: it is to stop, has grown, or is on a known orbit."""
+    if body.halt[0] > 0.0:
+        return UNSETTLED, 0
+    if has_gone(body.cogs, trial.z, limit):
+        return GREW, 0
+    if may_be_captured(trial.z[0], trial, body):
+        row = captured_with_law(trial, body, law)
+        if row >= 0:
+            return KNOWN, row
+    return GOES_ON, 0
+
+
+def acts_as(x, reading, wall, law):
+    """A number that samples have in common to which the law acts alike: reading, level, or place on a curve."""
+    if has_curve(wall.curve):
+        return 2.0 * place_at(x, wall.curve) + (1.0 if x < 0.0 else 0.0)
+    return depth_level(reading, wall) if law.watch.damping == 0.0 else reading
+
+
+def look_again_with_law(run, looks, trial, reading, body, wall, law):
+    """Look at rest after ``run`` samples that act alike: ``(fate, period, looks)``."""
+    fate, settling = look_at_rest_with_law(trial, reading, body, wall, law)
+    return go_on(run, looks, fate, settling)
+
+
+def try_return(since, tries, loosest, trial, body, wall, law):
+    """Try to prove an orbit of a trial that comes back after ``since`` samples: ``(status, gap, tries)``.
+
+    `WAIT` where it is not as near as it must be, or seems to be on an orbit known already. ``gap``: how near it is.
+    """
+    compare_with_checkpoint(trial, body)
+    gap = unlike(trial.space.away, trial.z[0], trial.ring, trial.check_ring, body, law)
+    if not gap < tries.tolerance:
+        return WAIT, gap, tries
+    waits = law.provable and not law.senses and gap > 0.0 and tries.left_alone < PATIENCE
+    if waits and has_period(since, int(trial.counts[0]), trial.table):
+        return WAIT, gap, Attempts(0.25 * gap, tries.left_alone + 1, tries.wait)
+    status, margin = prove_repeat_with_law(trial, since, body, wall, law)
+    tolerance = tolerance_with_law(status, gap, margin, loosest, trial, body, law)
+    return status, gap, Attempts(tolerance, tries.left_alone, tries.wait)
+
+
+def pass_periods(mark, since, left, tries, trial, law):
+    """Pass the periods of a motion that is where it was, to the last bit: ``(mark, samples)``, within ``left``."""
+    steady = law.provable and not law.senses and tries.tolerance == 0.0
+    if not (steady and same_to_the_bit(trial.z, trial.ring, trial.check, trial.check_ring)):
+        return mark, 0
+    gone = mark.events + 1 - mark.begun
+    passed = periods_passed(left, since, mark.due - mark.events - 1, gone)
+    return Checkpoint(mark.head, mark.begun, mark.events + passed * gone, mark.due), passed * since
+
+
+def end_of_samples(kept, kept_fate, looks, final, trial, body):
+    """What a trial has come to that gets no more samples: ``(fate, period)``; ``kept``: period of what repeated."""
+    if final and kept > 0:
+        leave_at(trial, trial.keep, trial.keep_ring)
+        return kept_fate, kept
+    if final and (looks.on_edge or looks.settling):
+        return (REST_EDGE if looks.on_edge else REST_PROVEN), 1
+    return unsettled(body), 0  # what has repeated without proof may yet be left, or proven
+
+
 def follow_with_law(trial, budget, body, wall, law):
     """Follow a trial until its fate is proven: ``(fate, period, samples)``; as `general.follow.follow_trial`.
 
@@ -170,114 +241,62 @@ def follow_with_law(trial, budget, body, wall, law):
     the last bit, and was not proven, is not moved through the periods before the next checkpoint, of which each is as
     the one before; they count as samples.
     """
-    z, past, space, check, checkpast = trial.z, trial.ring, trial.space, trial.check, trial.check_ring
-    n = body.order
+    z, past, space = trial.z, trial.ring, trial.space
     samples = budget.samples - budget.skip
     loosest = FIRST_TOLERANCE if law.provable else REPEATS * (1.0 + abs(z[0]))
-    have, events, next_checkpoint, begun, since = False, 0, 1, 0, 0
-    tolerance, left_alone = loosest, 0
+    mark, tries, since = Checkpoint(0, 0, 0, 1), Attempts(loosest, 0, 0), 0
     kept, kept_fate = 0, CYCLE_ON_EDGE
-    on_edge, settling = False, False
-    shown = read_after(z[0], past[law.line - 1], wall)
-    run, next_test = 0, FIRST_REST_TEST
-    level, x_before = 0.0, z[0]
+    run, looks = 0, no_looks()
+    x, acts = z[0], read_after(z[0], past[law.line - 1], wall)
+    level = 0.0 if has_curve(wall.curve) else acts
     i = 0
     while i < samples:
-        x = z[0]
-        if body.halt[0] > 0.0:
-            return UNSETTLED, 0, i
-        if has_gone(body.cogs, z, budget.limit):
-            return GREW, 0, i
-        if may_be_captured(x, trial, body):
-            row = captured_with_law(trial, body, law)
-            if row >= 0:
-                return KNOWN, row, i
-        last = shown
-        read_now = read_after(x, past[law.line - 1], wall)
-        shown = read_now
-        if law.watch.damping == 0.0:
-            shown = depth_level(shown, wall)
-        falls = shown < last
-        if has_curve(wall.curve):
-            shown = 2.0 * place_at(x, wall.curve) + (1.0 if x < 0.0 else 0.0)
-            level_before, level = level, turn_level(x, x_before, level)
-            falls, x_before = level < level_before, x
-        if shown == last:
+        fate, row = end_with_law(trial, budget.limit, body, law)
+        if fate != GOES_ON:
+            return fate, row, i
+        x_before, x, acted, level_before = x, z[0], acts, level
+        reading = read_after(x, past[law.line - 1], wall)
+        acts = acts_as(x, reading, wall, law)
+        level = turn_level(x, x_before, level) if has_curve(wall.curve) else acts
+        if acts == acted:
             run += 1
-            if run >= next_test:
-                next_test = 2 * run
-                fate, settles_now = look_at_rest_with_law(trial, read_now, body, wall, law)
-                settling = settling or settles_now
-                on_edge = fate == REST_EDGE
-                if fate == REST_PROVEN:
-                    return fate, 1, i
-                if fate == UNDAMPED:
-                    return fate, 0, i
+            if run >= looks.due:
+                fate, period, looks = look_again_with_law(run, looks, trial, reading, body, wall, law)
+                if fate != GOES_ON:
+                    return fate, period, i
         else:
-            run, next_test = 0, FIRST_REST_TEST
-            on_edge, settling = False, False
+            run, looks = 0, no_looks()
         again = (law.senses or not law.provable) and run % LOOK_AGAIN == LOOK_AGAIN - 1
         if jitters(wall.clock):
             if again:
-                for j in range(n):
-                    space.away[j] = z[j] - check[j]
-                if have and came_back(space.away, past, checkpast, CLOSE * (1.0 + abs(x)), body, law):
+                compare_with_checkpoint(trial, body)
+                within = CLOSE * (1.0 + abs(x))
+                if mark.begun > 0 and came_back(space.away, past, trial.check_ring, within, body, law):
                     return REST_NOT_PROVEN, 1, i
-                have = True
-                copy_to(check, z)
-                copy_to(checkpast, past)
-        elif falls or again:
+                mark = keep_checkpoint(trial, 0, 1)
+        elif level < level_before or again:
             # What is not proven to rest by its readings may still come to a standstill within one count.
-            if have:
-                for j in range(n):
-                    space.away[j] = z[j] - check[j]
-                gap = unlike(space.away, x, past, checkpast, body, law)
-                if gap < tolerance:
-                    status, margin = DIFFERENT, 0.0
-                    waits = law.provable and not law.senses and gap > 0.0 and left_alone < PATIENCE
-                    if waits and has_period(since, int(trial.counts[0]), trial.table):
-                        status, left_alone = WAIT, left_alone + 1
-                        tolerance = 0.25 * gap
-                    else:
-                        status, margin = prove_repeat_with_law(trial, since, body, wall, law)
-                    if status == PROVEN or status == NEUTRAL:
-                        copy_to(z, space.orbit)
-                        copy_to(past, law.periodic)
-                        return fate_of(status, law), since, i
-                    if status != WAIT and status != DIFFERENT and status != NOT_CAPTURED:
-                        kept, kept_fate = since, fate_of(status, law)
-                        if keep_repeat(trial, status, gap, body, wall, law):
-                            copy_to(z, trial.keep)
-                            copy_to(past, trial.keep_ring)
-                            return kept_fate, since, i
-                    if status != WAIT:
-                        tolerance = tolerance_with_law(status, gap, margin, loosest, trial, body, law)
-                    steady = law.provable and not law.senses and tolerance == 0.0
-                    if steady and same_to_the_bit(z, past, check, checkpast):
-                        gone = events + 1 - begun
-                        passed = periods_passed(samples - 1 - i, since, next_checkpoint - events - 1, gone)
-                        i += passed * since
-                        events += passed * gone
-            events += 1
-            if events == next_checkpoint:
-                next_checkpoint, begun = 2 * events, events
-                have, since, tolerance = True, 0, loosest
-                copy_to(check, z)
-                copy_to(checkpast, past)
+            if mark.begun > 0:
+                status, gap, tries = try_return(since, tries, loosest, trial, body, wall, law)
+                if status == PROVEN or status == NEUTRAL:
+                    leave_at(trial, space.orbit, law.periodic)
+                    return fate_of(status, law), since, i
+                if repeats(status):
+                    kept, kept_fate = since, fate_of(status, law)
+                    if keep_repeat(trial, status, gap, body, wall, law):
+                        leave_at(trial, trial.keep, trial.keep_ring)
+                        return kept_fate, since, i
+                if status != WAIT:
+                    mark, passed = pass_periods(mark, since, samples - 1 - i, tries, trial, law)
+                    i += passed
+            mark = pass_event(mark, trial, 0)
+            if mark.begun == mark.events:
+                since, tries = 0, Attempts(loosest, tries.left_alone, tries.wait)
         since += 1
         if jitters(wall.clock):
             advance_jittering_with_law(z, past, body, wall, law, space.pad)
         else:
             advance_with_law(z, past, body, wall, law, space.pad)
         i += 1
-    if not budget.final:  # what has repeated without proof may yet be left, or proven
-        return (UNSETTLED if body.damped else UNDAMPED), 0, samples
-    if kept > 0:
-        copy_to(z, trial.keep)
-        copy_to(past, trial.keep_ring)
-        return kept_fate, kept, samples
-    if on_edge:
-        return REST_EDGE, 1, samples
-    if settling:
-        return REST_PROVEN, 1, samples
-    return (UNSETTLED if body.damped else UNDAMPED), 0, samples
+    fate, period = end_of_samples(kept, kept_fate, looks, budget.final, trial, body)
+    return fate, period, samples
