@@ -4,6 +4,8 @@ As in `standstill` and `inner_region`, by the energy of the distance from a plac
 stay on one slope (`cogging.far_apart`). A corner is one more edge that must not be reached.
 """
 
+from typing import NamedTuple
+
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.cogging import (
     LENGTH,
@@ -21,6 +23,17 @@ from hknob_cli.engine.general.torque_curve import has_curve
 from hknob_cli.engine.rest import AT_REST, MOVING, REST_ON_EDGE, RINGS
 
 ROUNDINGS = 64.0  # of a position that has stopped changing
+
+
+class LastTorque(NamedTuple):
+    """The torque under a reading that goes on for ever: in the end ``u``, known to within ``wrong``.
+
+    ``left``: impulse, in all, by which it may still differ from that.
+    """
+
+    u: float
+    wrong: float
+    left: float
 
 
 def is_carried(body):
@@ -62,11 +75,9 @@ def stays_on_slope(z, gap, slack, body, orbit, away):
     return reach < gap and reach < room_on(rest, slope, body.cogs), far
 
 
-def settles_free(cogs, z, u, shown, wrong, push, body, wall, orbit, away):
-    """Fate without friction of a trial under a torque ``u``, known to within ``wrong``; its rest is left in ``orbit``.
-
-    ``push``: impulse, in all, by which the torque may still differ. Returns ``(fate, margin)``.
-    """
+def settles_free(cogs, z, torque, shown, body, wall, orbit, away):
+    """Fate without friction of a trial under its `LastTorque`: ``(fate, margin)``; its rest is left in ``orbit``."""
+    u, wrong, left = torque
     if cogs is None or not len(cogs):
         return MOVING, 0.0
     hold = hold_stiffness(cogs, z[0], body)
@@ -81,7 +92,7 @@ def settles_free(cogs, z, u, shown, wrong, push, body, wall, orbit, away):
     put_at(rest, u, body, orbit)
     seen = rest if has_curve(wall.curve) else shown
     gap = edge_gap(rest, seen, seen, wall)
-    stays, far = stays_on_slope(z, gap, slack + push / hold**0.5, body, orbit, away)
+    stays, far = stays_on_slope(z, gap, slack + left / hold**0.5, body, orbit, away)
     if stays:
         return (AT_REST if body.damped else RINGS), gap
     if abs(gap) <= slack and far < 1e-6 and body.play == 0.0:
@@ -108,11 +119,9 @@ def zone_on(cogs, x, u, wrong, body):
     return middle + max((pull - held) / hold, -half), middle + min((pull + held) / hold, half)
 
 
-def keeps_to_slope(cogs, z, u, shown, wrong, push, body, wall, orbit, away):
-    """Whether a knob with friction gets one reading for ever and settles: ``(whether, gap)``, as `keeps_reading`.
-
-    ``wrong`` and ``push`` as `settles_free` has them.
-    """
+def keeps_to_slope(cogs, z, torque, shown, body, wall, orbit, away):
+    """Whether a knob with friction gets one reading for ever and settles: ``(whether, gap)``, as `keeps_reading`."""
+    u, wrong, left = torque
     if cogs is None or not len(cogs):
         return False, 0.0
     low, high = zone_on(cogs, z[0], u, wrong, body)
@@ -126,5 +135,5 @@ def keeps_to_slope(cogs, z, u, shown, wrong, push, body, wall, orbit, away):
     hold = hold_stiffness(cogs, rest, body)
     if not hold > 0.0:
         return False, gap  # at a corner
-    stays, _ = stays_on_slope(z, gap, slack + push / hold**0.5, body, orbit, away)
+    stays, _ = stays_on_slope(z, gap, slack + left / hold**0.5, body, orbit, away)
     return stays, gap

@@ -56,6 +56,24 @@ def is_cycle(fate):
     )
 
 
+def is_rest(fate):
+    """Whether a fate is a rest, proven or not."""
+    return fate == REST_PROVEN or fate == REST_EDGE or fate == REST_NOT_PROVEN
+
+
+def shown_at_rest(fate, z, before, body, wall):
+    """What rests that friction holds are told apart by: their reading, or the place on a curve; of other ends nan."""
+    if not is_rest(fate) or body.friction == 0.0:
+        return float("nan")
+    if wall.analog == 0.0:
+        shown = read_after(z[0], before, wall)
+        return told(shown, wall) if wall.hysteresis > 0.0 else shown
+    shown = -1.0 if z[0] < 0.0 else 0.0
+    if has_curve(wall.curve):
+        shown += 2.0 * place_at(z[0], wall.curve)
+    return shown
+
+
 def begin(z, start, part, body, pad):
     """State ``part`` of a sample period after ``start``, no torque commanded yet."""
     for j in range(body.order):
@@ -163,14 +181,7 @@ def enter(fate, period, before, head, trial, body, wall):
     margin, edge, closure, bound = 0.0, 0.0, 0.0, 0.0
     if cycle:
         before, head, period = deepest(before, head, period, trial, body, wall)
-    rest = fate == REST_PROVEN or fate == REST_EDGE or fate == REST_NOT_PROVEN
-    shown = read_after(z[0], before, wall) if rest and body.friction > 0.0 else float("nan")
-    if wall.analog > 0.0 and shown == shown:
-        shown = -1.0 if z[0] < 0.0 else 0.0
-        if has_curve(wall.curve):
-            shown += 2.0 * place_at(z[0], wall.curve)
-    if wall.hysteresis > 0.0 and shown == shown:
-        shown = told(shown, wall)
+    rest, shown = is_rest(fate), shown_at_rest(fate, z, before, body, wall)
     row = find(fate, period, z, shown, rows, table, trial.states, n)
     if cycle and row == rows:
         status, margin, edge, closure, bound = certify(z, before, ring, head, period, body, wall, space)
@@ -193,7 +204,7 @@ def enter(fate, period, before, head, trial, body, wall):
         return -1
     if row == len(table) // FIELDS:
         return row
-    last = shown if rest and body.friction > 0.0 else before
+    last = shown if shown == shown else before
     enter_row(row, fate, period, (margin, edge, closure, bound), last, trial, head, rest)
     return row
 

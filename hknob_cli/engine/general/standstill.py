@@ -4,7 +4,7 @@ from math import sqrt
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import acceleration, coil_at, distance
-from hknob_cli.engine.general.cog_rest import keeps_to_slope, settles_free
+from hknob_cli.engine.general.cog_rest import LastTorque, keeps_to_slope, settles_free
 from hknob_cli.engine.general.cogging import PEAK, cog_number, cog_pull, has_cogs
 from hknob_cli.engine.general.controller import command, edge_gap, follows, goes_on
 from hknob_cli.engine.general.flank_rest import flank_room, held_in_teeth
@@ -192,8 +192,8 @@ def settles(z, shown, before, ring, body, wall, orbit, away):
         if followed:
             return MOVING, gap
         if body.friction == 0.0:
-            return settles_free(body.cogs, z, u, shown, 0.0, 0.0, body, wall, orbit, away)
-        keeps, gap = keeps_to_slope(body.cogs, z, u, shown, 0.0, 0.0, body, wall, orbit, away)
+            return settles_free(body.cogs, z, LastTorque(u, 0.0, 0.0), shown, body, wall, orbit, away)
+        keeps, gap = keeps_to_slope(body.cogs, z, LastTorque(u, 0.0, 0.0), shown, body, wall, orbit, away)
         return (SETTLING if keeps else MOVING), gap
     if body.friction > 0.0:
         keeps, gap = keeps_reading(z, shown, u, body, wall, len(ring), orbit, away)

@@ -16,6 +16,7 @@ from tests.verification.general_scenes import scene
 from .bodies import knob
 
 ONE = knob()
+HELD = cog_rest.LastTorque(0.1, 0.0, 0.0)
 PARTS: dict[str, dict[str, Any]] = {
     "cogs": {"cogging": {"torque": 1e-4, "per_revolution": 24}},
     "table": {"detents": {"per_revolution": 24, "torque": 2e-3}},
@@ -63,11 +64,11 @@ ABSENT: dict[str, tuple[Callable[[Any], Any], Any]] = {
     ),
     "cog_chart": (lambda cogs: slopes.cog_chart(cogs, [1.0, 0.5], 0.1, 1.0, ONE.body, [0.0] * 4, 5, None), 5),
     "settles_free": (
-        lambda cogs: cog_rest.settles_free(cogs, [1.0, 0.5], 0.1, 1.0, 0.0, 0.0, ONE.body, ONE.wall, [0.0] * 2, None),
+        lambda cogs: cog_rest.settles_free(cogs, [1.0, 0.5], HELD, 1.0, ONE.body, ONE.wall, [0.0] * 2, None),
         (cog_rest.MOVING, 0.0),
     ),
     "keeps_to_slope": (
-        lambda cogs: cog_rest.keeps_to_slope(cogs, [1.0, 0.5], 0.1, 1.0, 0.0, 0.0, ONE.body, ONE.wall, [0.0] * 2, None),
+        lambda cogs: cog_rest.keeps_to_slope(cogs, [1.0, 0.5], HELD, 1.0, ONE.body, ONE.wall, [0.0] * 2, None),
         (False, 0.0),
     ),
     "turn_on_cogs": (

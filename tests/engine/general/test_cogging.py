@@ -163,7 +163,8 @@ def test_rest_is_where_springs_hold_and_nowhere_else(slope: float, fate: int) ->
     assert x > 0.0
     u = body.push + body.beta * (x + body.shift)
     orbit, away = [0.0, 0.0], [0.0, 0.0]
-    found, gap = cog_rest.settles_free(cogs, [x, 0.0], u, x // 1.0, 0.0, 0.0, body, WALL, orbit, away)
+    torque = cog_rest.LastTorque(u, 0.0, 0.0)
+    found, gap = cog_rest.settles_free(cogs, [x, 0.0], torque, x // 1.0, body, WALL, orbit, away)
     assert found == fate
     if fate == AT_REST:
         assert orbit[0] == pytest.approx(x, abs=1e-12)
@@ -179,7 +180,9 @@ def test_rest_is_proven_up_to_the_corner_and_no_further() -> None:
     most = 0.5 * cogs[LENGTH] * sqrt(body.beta + cogs[SLOPE])
     for part, fate in ((1.0 - 1e-6, AT_REST), (1.0 + 1e-6, MOVING)):
         z, orbit, away = [middle, part * most], [0.0, 0.0], [0.0, 0.0]
-        found, _ = cog_rest.settles_free(cogs, z, u, middle // 1.0, 0.0, 0.0, body, WALL, orbit, away)
+        found, _ = cog_rest.settles_free(
+            cogs, z, cog_rest.LastTorque(u, 0.0, 0.0), middle // 1.0, body, WALL, orbit, away
+        )
         assert found == fate
 
 
@@ -197,7 +200,7 @@ def test_what_torque_may_still_do_counts() -> None:
         for wrong, push in ((0.5 * part * room * hold, 0.0), (0.0, part * room * sqrt(hold))):
             orbit, away = [0.0, 0.0], [0.0, 0.0]
             found, _ = cog_rest.settles_free(
-                cogs, [middle, 0.0], u, middle // 1.0, wrong, push, body, WALL, orbit, away
+                cogs, [middle, 0.0], cog_rest.LastTorque(u, wrong, push), middle // 1.0, body, WALL, orbit, away
             )
             assert found == fate
 

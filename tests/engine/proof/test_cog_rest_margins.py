@@ -11,7 +11,14 @@ import pytest
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general import cog_rest, cogging
 from hknob_cli.engine.general.body import Body
-from hknob_cli.engine.general.cog_rest import is_carried, keeps_to_slope, settles_free, stays_on_slope, zone_on
+from hknob_cli.engine.general.cog_rest import (
+    LastTorque,
+    is_carried,
+    keeps_to_slope,
+    settles_free,
+    stays_on_slope,
+    zone_on,
+)
 from hknob_cli.engine.general.cogging import far_apart, hold_stiffness, middle_of, own_stiffness
 from hknob_cli.engine.general.laws import rest as law_rest
 from hknob_cli.engine.general.laws.rest import settles_with_law
@@ -48,7 +55,7 @@ def free(
     z: list[float], u: float, one: Body = KNOB, *, shown: float = -21.0, wrong: float = 0.0, push: float = 0.0
 ) -> tuple[int, float, list[float]]:
     orbit, away = [7.0] * one.order, [7.0] * one.order
-    found, gap = settles_free(one.cogs, z, u, shown, wrong, push, one, WALL, orbit, away)
+    found, gap = settles_free(one.cogs, z, LastTorque(u, wrong, push), shown, one, WALL, orbit, away)
     return found, gap, orbit
 
 
@@ -67,8 +74,9 @@ def test_a_balance_of_all_torques_is_a_rest(exact: pytest.MonkeyPatch) -> None:
 
 
 def test_without_cogging_another_proof_is_asked() -> None:
-    assert settles_free(None, [0.0, 0.0], 0.0, 0.0, 0.0, 0.0, KNOB, WALL, [0.0] * 2, [0.0] * 2) == (MOVING, 0.0)
-    assert keeps_to_slope(None, [0.0, 0.0], 0.0, 0.0, 0.0, 0.0, KNOB, WALL, [0.0] * 2, [0.0] * 2) == (False, 0.0)
+    torque = LastTorque(0.0, 0.0, 0.0)
+    assert settles_free(None, [0.0, 0.0], torque, 0.0, KNOB, WALL, [0.0] * 2, [0.0] * 2) == (MOVING, 0.0)
+    assert keeps_to_slope(None, [0.0, 0.0], torque, 0.0, KNOB, WALL, [0.0] * 2, [0.0] * 2) == (False, 0.0)
 
 
 def test_beside_a_curve_the_way_to_its_next_knee_is_measured_from_the_rest(exact: pytest.MonkeyPatch) -> None:
@@ -76,10 +84,10 @@ def test_beside_a_curve_the_way_to_its_next_knee_is_measured_from_the_rest(exact
     stops = [0.0] * HEAD
     stops[STOP], stops[LOWEST], stops[HIGHEST] = 1.0, -24.5, 90.0
     wall, orbit, away = WALL._replace(analog=1.0, kappa=0.0, curve=stops), [7.0] * 2, [7.0] * 2
-    found = settles_free(COGS, [-20.25, 0.0], BALANCE, -20.25, 0.0, 0.0, KNOB, wall, orbit, away)
+    found = settles_free(COGS, [-20.25, 0.0], LastTorque(BALANCE, 0.0, 0.0), -20.25, KNOB, wall, orbit, away)
     assert (found, orbit) == ((AT_REST, 4.0), [-20.5, 0.0])
     rubs = KNOB._replace(friction=0.25)
-    held = keeps_to_slope(COGS, [-20.0, 0.0], BALANCE, -20.0, 0.0, 0.0, rubs, wall, orbit, away)
+    held = keeps_to_slope(COGS, [-20.0, 0.0], LastTorque(BALANCE, 0.0, 0.0), -20.0, rubs, wall, orbit, away)
     assert (held, orbit) == ((True, 4.25), [-20.25, 0.0])
 
 
@@ -130,11 +138,11 @@ def test_a_rest_on_an_edge_is_none_where_teeth_may_part(exact: pytest.MonkeyPatc
     exact.setattr(cog_rest, "edge_gap", lambda *_: 0.0)
     one, balance = BEHIND._replace(play=play), 0.5 + (-20.5 + 2.0)  # its own springs are 1
     orbit, away = [0.0] * 4, [0.0] * 4
-    settles_free(COGS, [-20.0, 0.0, 0.0, 0.0], balance, -21.0, 0.0, 0.0, one, WALL, orbit, away)
+    settles_free(COGS, [-20.0, 0.0, 0.0, 0.0], LastTorque(balance, 0.0, 0.0), -21.0, one, WALL, orbit, away)
     assert orbit[0] == -20.5
     for place, found in ((-20.5, fate), (-20.4, MOVING)):
         z = [place, *orbit[1:]]
-        assert settles_free(COGS, z, balance, -21.0, 0.0, 0.0, one, WALL, list(orbit), away)[0] == found
+        assert settles_free(COGS, z, LastTorque(balance, 0.0, 0.0), -21.0, one, WALL, list(orbit), away)[0] == found
 
 
 def test_where_no_springs_hold_nothing_rests(exact: pytest.MonkeyPatch) -> None:
@@ -347,7 +355,7 @@ def keeps(
     z: list[float], u: float, one: Body = RUBBING, *, shown: float = -21.0, wrong: float = 0.0, push: float = 0.0
 ) -> tuple[bool, float, list[float]]:
     orbit, away = [7.0] * one.order, [7.0] * one.order
-    found, gap = keeps_to_slope(one.cogs, z, u, shown, wrong, push, one, WALL, orbit, away)
+    found, gap = keeps_to_slope(one.cogs, z, LastTorque(u, wrong, push), shown, one, WALL, orbit, away)
     return found, gap, orbit
 
 
@@ -376,7 +384,7 @@ def test_a_knob_is_compared_with_the_nearest_place_that_friction_holds(exact: py
 def test_a_trial_rests_by_these_proofs(exact: pytest.MonkeyPatch, *, under_a_law: bool) -> None:
     """Beside the wall's torque of 21, and beside that of a law, which comes to an end and is known."""
     one = KNOB._replace(push=21.0 - BALANCE + 0.5, drive=-(21.0 - BALANCE + 1.0))
-    exact.setattr(law_rest, "settled_torque", lambda *_: (True, 21.0, 0.0, 0.0))
+    exact.setattr(law_rest, "settled_torque", lambda *_: (True, LastTorque(21.0, 0.0, 0.0)))
     law: Any = SimpleNamespace(watch=WALL)
 
     def told(z: list[float], friction: float) -> int:

@@ -57,7 +57,7 @@ def test_its_size_counts_in_the_rounding_of_a_settled_torque(count: float) -> No
     """Of terms that cancel the sum says nothing: that of the law is the table's, turned round."""
     given = COMMANDS[int(count) + 2]
     law = law_of(-2.0 * given, inf, cuts=False)
-    still, torque, wrong, left = settled_torque(count + 0.5, count, [7.0, count, 0.0], WALL, law)
+    still, (torque, wrong, left) = settled_torque(count + 0.5, count, [7.0, count, 0.0], WALL, law)
     assert (still, torque, left) == (True, 0.0, 0.0)
     size = abs(given) + 0.5 * (1.0 + abs(count + 0.5))
     assert wrong == pytest.approx(ROUNDINGS * 4.0 * EPSILON * size, rel=1e-12, abs=0.0)

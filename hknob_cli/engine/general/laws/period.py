@@ -199,6 +199,17 @@ def wrong_torque(missed, late, turned, period, law):
     return worn, wrong
 
 
+def is_captured(z, past, margin, bound, body, law, space):
+    """Whether a trial is followed for ever by the orbit in ``space.orbit``, which is known to within ``bound``."""
+    for i in range(body.order):
+        space.residual[i] = z[i] - space.orbit[i]
+    if not apart(space.residual, space.orbit[0], past, law.periodic, body, law) + bound < margin:
+        return False
+    if not sums_agree(past, law.periodic, law.room[0], law):
+        return False
+    return not law.guarded or faded(past, law.periodic, law) < law.room[0]
+
+
 def certify_with_law(z, past, period, body, wall, law, space):
     """Try to prove an orbit of ``period`` samples from a trial at ``z`` whose readings seem to repeat.
 
@@ -246,10 +257,5 @@ def certify_with_law(z, past, period, body, wall, law, space):
         return (DIFFERENT if parts and settled else EXPANDS), margin, edge, closure, bound
     if parts:
         return PARTS, margin, edge, closure, bound
-    for i in range(n):
-        space.residual[i] = z[i] - space.orbit[i]
-    near = apart(space.residual, space.orbit[0], past, law.periodic, body, law) + bound < margin
-    near = near and sums_agree(past, law.periodic, law.room[0], law)
-    if near and (not law.guarded or faded(past, law.periodic, law) < law.room[0]):
-        return PROVEN, margin, edge, closure, bound
-    return NOT_CAPTURED, margin, edge, closure, bound
+    captured = is_captured(z, past, margin, bound, body, law, space)
+    return (PROVEN if captured else NOT_CAPTURED), margin, edge, closure, bound

@@ -195,28 +195,34 @@ def within(past, period, body, wall, law, space, m):
     return edges, guards, near, bound
 
 
-def certify_sensed(z, past, period, body, wall, law, space):
-    """Try to prove an orbit of ``period`` samples, as `laws.period.certify_with_law` does."""
-    n, width = body.order, space.width
-    under_way = law.line + 1  # torques of the samples before
-    m = n + law.ages - 1
-    copy_to(space.orbit, z)
-    copy_to(law.periodic, past)
-    margin, edge, reach, pace, strength, closure = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+def measure_residual(state, past, body, law, space):
+    """Leave in ``space.residual`` what a state and its torques under way differ by from the orbit's."""
+    n, under_way = body.order, law.line + 1
+    for i in range(n):
+        space.residual[i] = state[i] - space.orbit[i]
+    for j in range(law.ages - 1):
+        space.residual[n + j] = past[under_way + j] - law.periodic[under_way + j]
+
+
+def find_sensed_orbit(period, body, wall, law, space, m):
+    """Find the fixed point of a period near ``space.orbit`` and ``law.periodic``, by Newton's method.
+
+    Returns ``(same, solved, closure, turned)``: whether all that is counted comes back; whether the derivative could be
+    inverted; what `turn_sensed` says of the last turn.
+    """
+    n, under_way = body.order, law.line + 1
+    turned, closure = (0.0, 0.0, 0.0, 0.0, 0.0), 0.0
     solved, best = True, float("inf")
     for step in range(NEWTON_STEPS):
         copy_to(law.beside, law.periodic)
-        margin, edge, reach, pace, strength = turn_sensed(law.beside, period, body, wall, law, space, m)
+        turned = turn_sensed(law.beside, period, body, wall, law, space, m)
         if not same_count(law.beside, law.periodic, law):
-            return DIFFERENT, 0.0, 0.0, 0.0, 0.0
-        for i in range(m):
-            if i < n:
-                space.residual[i] = space.state[i] - space.orbit[i]
-            else:
-                space.residual[i] = law.beside[under_way + i - n] - law.periodic[under_way + i - n]
+            return False, solved, closure, turned
+        measure_residual(space.state, law.beside, body, law, space)
         closure = closure_of(space, m)
-        solved = invert(space.matrix, space.cols, m, width)
-        if not solved or closure <= 4.0 * EPSILON * (reach + pace) or closure >= 0.5 * best or step == NEWTON_STEPS - 1:
+        solved = invert(space.matrix, space.cols, m, space.width)
+        small = closure <= 4.0 * EPSILON * (turned[2] + turned[3])
+        if not solved or small or closure >= 0.5 * best or step == NEWTON_STEPS - 1:
             break
         best = closure
         for i in range(m):
@@ -227,7 +233,18 @@ def certify_sensed(z, past, period, body, wall, law, space):
                 space.orbit[i] += change
             else:
                 law.periodic[under_way + i - n] += change
-    if not closure < 1e-6 * (reach + pace):
+    return True, solved, closure, turned
+
+
+def certify_sensed(z, past, period, body, wall, law, space):
+    """Try to prove an orbit of ``period`` samples, as `laws.period.certify_with_law` does."""
+    n, width = body.order, space.width
+    m = n + law.ages - 1  # of the state, and of the torques of the samples before
+    copy_to(space.orbit, z)
+    copy_to(law.periodic, past)
+    same, solved, closure, turned = find_sensed_orbit(period, body, wall, law, space, m)
+    margin, edge, reach, pace, strength = turned
+    if not same or not closure < 1e-6 * (reach + pace):
         return DIFFERENT, 0.0, 0.0, 0.0, 0.0
     if not solved:
         return NEUTRAL, margin, edge, closure, 0.0
@@ -253,10 +270,7 @@ def certify_sensed(z, past, period, body, wall, law, space):
         return EXPANDS, margin, edge, closure, bound
     for i in range(m):
         space.power[i] = space.away[i]
-        if i < n:
-            space.residual[i] = z[i] - space.orbit[i]
-        else:
-            space.residual[i] = past[under_way + i - n] - law.periodic[under_way + i - n]
+    measure_residual(z, past, body, law, space)
     if not bound_growth(space, m, scale, period):
         return EXPANDS, margin, edge, closure, bound
     copy_to(law.beside, law.periodic)

@@ -6,8 +6,8 @@ from hknob_cli.engine.follow import CYCLE_PROVEN, REST_EDGE, REST_PROVEN, UNSETT
 from hknob_cli.engine.general.body import copy_to
 from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.cogging import has_gone
-from hknob_cli.engine.general.controller import read, read_after, told
-from hknob_cli.engine.general.ensemble import begin, count_end, enter_row, find, is_cycle
+from hknob_cli.engine.general.controller import read
+from hknob_cli.engine.general.ensemble import begin, count_end, enter_row, find, is_cycle, is_rest, shown_at_rest
 from hknob_cli.engine.general.follow import KNOWN
 from hknob_cli.engine.general.jitter import begin_clock, jitters
 from hknob_cli.engine.general.laws.cascade import nearly_same
@@ -15,7 +15,6 @@ from hknob_cli.engine.general.laws.follow import fate_of, follow_with_law
 from hknob_cli.engine.general.laws.law import CYCLE_AT_SWITCH, CYCLE_NOT_AFFINE, REST_NOT_PROVEN
 from hknob_cli.engine.general.laws.period import certify_with_law
 from hknob_cli.engine.general.laws.step import advance_jittering_with_law, advance_with_law, begin_past
-from hknob_cli.engine.general.torque_curve import has_curve, place_at
 
 SAME = 1e-9  # of what is remembered at one sample of an orbit and at another, relative
 
@@ -74,14 +73,7 @@ def enter_with_law(fate, period, trial, body, wall, law):
         period = turn_to_deepest(period, trial, body, wall, law)
         if period == 1 and (law.senses or not law.provable):
             cycle, fate = False, rest_of_law(trial, body, wall, law)
-    rest = fate == REST_NOT_PROVEN or fate == REST_PROVEN or fate == REST_EDGE
-    shown = read_after(z[0], past[law.line - 1], wall) if rest and body.friction > 0.0 else float("nan")
-    if wall.analog > 0.0 and shown == shown:
-        shown = -1.0 if z[0] < 0.0 else 0.0
-        if has_curve(wall.curve):
-            shown += 2.0 * place_at(z[0], wall.curve)
-    if wall.hysteresis > 0.0 and shown == shown:
-        shown = told(shown, law.watch)
+    rest, shown = is_rest(fate), shown_at_rest(fate, z, past[law.line - 1], body, wall)
     row = find(fate, period, z, shown, rows, table, states, n)
     if cycle and row == rows:
         status, margin, edge, closure, bound = certify_with_law(z, past, period, body, wall, law, space)
@@ -102,7 +94,7 @@ def enter_with_law(fate, period, trial, body, wall, law):
         return -1
     if row == len(table) // FIELDS:
         return row
-    last = shown if rest and body.friction > 0.0 else law.room[0]
+    last = shown if shown == shown else law.room[0]
     enter_row(row, fate, period, (margin, edge, closure, bound), last, trial, 0 * len(past), rest)
     return row
 

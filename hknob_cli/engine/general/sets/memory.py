@@ -173,16 +173,16 @@ def rest_within(law, z, level, before, ring, body, wall, orbit, away):
         if fate != AT_REST:
             return fate, shown, gap, 0.0, 0.0
         return fate, shown, gap, 0.0, rest_rounding(z, orbit[0], command(shown, shown, wall), body)
-    still, u, wrong, left = settled_torque(z[0], level, ring, wall, law)
-    if not still or not find_balance(u, body, orbit):
+    still, last = settled_torque(z[0], level, ring, wall, law)
+    if not still or not find_balance(last.u, body, orbit):
         return MOVING, level, 0.0, 0.0, 0.0
     for j in range(body.order):
         away[j] = z[j] - orbit[j]
     gap = min(orbit[0] - lowest(level, -float("inf"), law.watch), highest(level, law.watch) - orbit[0])
     gap += 0.5 * wall.hysteresis
     # Under a torque that is off by so much the knob swings about another rest, and comes as far beyond that.
-    bound = rest_rounding(z, orbit[0], abs(u) + 2.0 * wrong / (ROUNDINGS * EPSILON), body)
-    return AT_REST, read(orbit[0], wall), gap, pushed_apart(left, z[0], body), bound
+    bound = rest_rounding(z, orbit[0], abs(last.u) + 2.0 * last.wrong / (ROUNDINGS * EPSILON), body)
+    return AT_REST, read(orbit[0], wall), gap, pushed_apart(last.left, z[0], body), bound
 
 
 def settle_memory(law, x, level, before, ring, wall):
@@ -194,7 +194,8 @@ def settle_memory(law, x, level, before, ring, wall):
     if law is None:
         u = command(level, level, wall)
         return steady(ring, u) and not (wall.damping > 0.0 and before != level), u, 0.0, 0.0
-    return settled_torque(x, level, ring, wall, law)
+    still, last = settled_torque(x, level, ring, wall, law)
+    return still, last.u, last.wrong, last.left
 
 
 def keeps_torque(law, x, level, u, wall):
