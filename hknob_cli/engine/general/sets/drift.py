@@ -43,22 +43,37 @@ class Drift(NamedTuple):
     bottom: float
 
 
+class Hold(NamedTuple):
+    """A part of an interval: its length, the place of its matrix of more than two states, its (S, G, F) of two."""
+
+    span: float
+    matrix: int
+    plane: tuple[float, float, float]
+
+
 def make_drift(body: Body, wall: Controller, law: Law | None = None) -> Drift:
     """The numbers of a cell, in lists. The body has no friction and is held: ``body.reach`` is finite.
 
     Under a ``law`` the body moves over the pieces of an interval that the law has.
     """
-    n = body.order
-    a = whole_matrix(body)
-    phi = product(exponential(a, 1.0 - wall.split)[0], exponential(a, wall.split)[0])
-    holds = [(wall.split, FIRST, (body.s1, body.g1, body.f1))] if wall.split > 0.0 else []
-    holds.append((1.0 - wall.split, SECOND, (body.s2, body.g2, body.f2)))
-    if law is not None:
-        pieces = [law.sched[at : at + PIECE] for at in range(0, law.pieces * PIECE, PIECE)]
-        holds = [(one[SPAN], int(one[MATRIX]), (one[S], one[G], one[F])) for one in pieces]
-    units = [norm([float(i == j) for j in range(n)], body) for i in range(n)]
+    units = [norm([float(i == j) for j in range(body.order)], body) for i in range(body.order)]
     spans = largest_entries(body)
     overlap = 1.0 + sum(one * span for one, span in zip(units, spans, strict=True))
+    powers, blur = _powers(body, wall, units, spans)
+    return Drift(
+        powers=powers,
+        once=[MARGIN * value for value in _rounded_once(body, _holds(body, wall, law), units)],
+        units=units,
+        blur=MARGIN * overlap * blur,
+        coast=MARGIN * _coast(body, units, spans),
+        bottom=deepest_level(wall) if law is None else -inf,
+    )
+
+
+def _powers(body: Body, wall: Controller, units: list[float], spans: list[float]) -> tuple[list[float], float]:
+    """Powers of Phi, and what rounding them, cutting a polygon and telling it from another centre adds up to."""
+    n, a = body.order, whole_matrix(body)
+    phi = product(exponential(a, 1.0 - wall.split)[0], exponential(a, wall.split)[0])
     powers: list[float] = []
     blur = 16.0 * EPSILON  # for what cutting a polygon and telling it from another centre rounds
     for _ in range(POWERS):
@@ -68,10 +83,25 @@ def make_drift(body: Body, wall: Controller, law: Law | None = None) -> Drift:
             units[i] * (n + 2) * EPSILON * sum(abs(entries[i][j]) * spans[j] for j in range(n)) for i in range(n)
         )
         phi = product(phi, phi)
+    return powers, blur
+
+
+def _holds(body: Body, wall: Controller, law: Law | None) -> list[Hold]:
+    """The parts of an interval."""
+    if law is not None:
+        pieces = [law.sched[at : at + PIECE] for at in range(0, law.pieces * PIECE, PIECE)]
+        return [Hold(one[SPAN], int(one[MATRIX]), (one[S], one[G], one[F])) for one in pieces]
+    later = Hold(1.0 - wall.split, SECOND, (body.s2, body.g2, body.f2))
+    return [Hold(wall.split, FIRST, (body.s1, body.g1, body.f1)), later] if wall.split > 0.0 else [later]
+
+
+def _rounded_once(body: Body, holds: list[Hold], units: list[float]) -> list[float]:
+    """`Drift.once`, without its margin."""
+    n, a = body.order, whole_matrix(body)
     once, reached = [0.0] * (n + 2), [[1.0 if k == 2 + i else 0.0 for k in range(n + 2)] for i in range(n)]
-    for span, part, plane in holds:
-        power, integral = exponential(a, span)
-        own, size = _hold(body, integral, power, part, plane)
+    for hold in holds:
+        power, integral = exponential(a, hold.span)
+        own, size = _hold(body, integral, power, hold)
         later = [sum(own[2 + j] * reached[j][k] for j in range(n)) for k in range(n + 2)]
         once = [value + (own[k] if k < 2 else 0.0) + later[k] for k, value in enumerate(once)]
         reached = [
@@ -81,14 +111,7 @@ def make_drift(body: Body, wall: Controller, law: Law | None = None) -> Drift:
     # Where a position is compared with an edge, and where a state is told from another centre, it is rounded, too.
     for j in range(n):
         once[2 + j] += 8.0 * EPSILON * units[j] * (1.0 if j else body.reach * units[0])
-    return Drift(
-        powers=powers,
-        once=[MARGIN * value for value in once],
-        units=units,
-        blur=MARGIN * overlap * blur,
-        coast=MARGIN * _coast(body, units, spans),
-        bottom=deepest_level(wall) if law is None else -inf,
-    )
+    return once
 
 
 def _coast(body: Body, units: list[float], spans: list[float]) -> float:
@@ -125,12 +148,8 @@ def largest_entries(body: Body) -> list[float]:
     return spans
 
 
-def _hold(
-    body: Body, d: Matrix, phi: Matrix, part: int, plane: tuple[float, float, float]
-) -> tuple[list[float], list[list[float]]]:
+def _hold(body: Body, d: Matrix, phi: Matrix, hold: Hold) -> tuple[list[float], list[list[float]]]:
     """Bounds on the roundings of a part of an interval, and on the state after it.
-
-    ``part``: its matrix of more than two states; ``plane``: its (S, G, F) of two.
 
     Each is told by 1, the command, and the entries of the state: the first in the norm, (n + 2); the second by entry.
     """
@@ -143,7 +162,7 @@ def _hold(
         rate.append([abs(body.vectors[CONSTANT * n + i]), command, *row])
     if n == 2:
         # x + (s v + g y) and f v + s y; y is the second rate without its damping.
-        s, g, f = plane
+        s, g, f = hold.plane
         wrong_s, wrong_g, wrong_f = off(s, phi[0][1]), off(g, d[0][1]), off(f, phi[1][1])
         pull = [rate[1][0], rate[1][1], rate[1][2], 0.0]
         speed = [0.0, 0.0, 0.0, 1.0]
@@ -151,7 +170,7 @@ def _hold(
         size = [_add(place, speed, pull, abs(s), abs(g)), _add([0.0] * 4, speed, pull, abs(f), abs(s))]
         wrong = [_add([0.0] * 4, speed, pull, wrong_s, wrong_g), _add([0.0] * 4, speed, pull, wrong_f, wrong_s)]
     else:
-        base = part * n * n
+        base = hold.matrix * n * n
         size, wrong = [], []
         for i in range(n):
             held = [abs(body.matrices[base + i * n + j]) for j in range(n)]
