@@ -14,7 +14,7 @@ from hknob_cli.engine.certificate import (
     distance,
 )
 from hknob_cli.engine.loop import copy_line, interval, level_of, push
-from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, REST_ON_EDGE, RINGS, settles
+from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, RINGS, settles
 
 FIRST_TOLERANCE = 0.03  # counts between a return and its checkpoint that are worth an attempt at a proof
 FIRST_REST_TEST = 8  # samples in one level before rest is thought of
@@ -47,6 +47,32 @@ def constant_line(ring, level):
     return True
 
 
+def look_at_rest(x, v, level, ring, loop):
+    """What becomes of a trial whose level goes on: ``(fate, rest)``; `UNSETTLED` if nothing is known."""
+    kind, rest, _, _ = settles(x, v, level, loop)
+    if kind == MOVING or not constant_line(ring, level):
+        return UNSETTLED, rest
+    if kind == AT_REST:
+        return REST_PROVEN, rest
+    if kind == LEAVES:
+        return LEFT, rest
+    return (UNDAMPED if kind == RINGS else REST_EDGE), rest
+
+
+def tolerance_after(status, gap, margin, away):
+    """How near a trial must come back for the next proof, after one from a ``gap`` has failed.
+
+    ``away``: how far it is from the orbit that was tried. Both shrink together: the next waits until the trial is
+    within the margin.
+    """
+    return gap * min(1.0, 0.9 * margin / away) if status == NOT_CAPTURED else 0.5 * gap
+
+
+def unsettled(damped):
+    """Fate of a trial that has come to nothing: it may yet, where something damps it."""
+    return UNSETTLED if damped else UNDAMPED
+
+
 def follow(x, v, ring, head, budget, limit, loop, final=True):
     """Follow a trial for at most ``budget`` samples.
 
@@ -73,15 +99,12 @@ def follow(x, v, ring, head, budget, limit, loop, final=True):
             run += 1
             if run >= next_test:
                 next_test = 2 * run
-                fate, rest, _, _ = settles(x, v, level, loop)
-                if fate != MOVING and constant_line(ring, level):
-                    if fate == AT_REST:
-                        return REST_PROVEN, 1, rest, 0.0, head, i
-                    if fate == LEAVES:
-                        return LEFT, 0, x, v, head, i
-                    if fate == RINGS:
-                        return UNDAMPED, 0, x, v, head, i
-                    resting_on_edge = fate == REST_ON_EDGE
+                fate, rest = look_at_rest(x, v, level, ring, loop)
+                if fate == REST_PROVEN:
+                    return fate, 1, rest, 0.0, head, i
+                if fate == LEFT or fate == UNDAMPED:
+                    return fate, 0, x, v, head, i
+                resting_on_edge = resting_on_edge or fate == REST_EDGE
         else:
             run, next_test = 0, FIRST_REST_TEST
             resting_on_edge = False
@@ -97,10 +120,7 @@ def follow(x, v, ring, head, budget, limit, loop, final=True):
                     if status == ON_EDGE:
                         edge_n, edge_x, edge_v, edge_head = since, ox, ov, head
                         edge_ring = copy_line(ring)
-                    tolerance = 0.5 * gap
-                    if status == NOT_CAPTURED:
-                        # Gap and distance from the orbit shrink together: wait until the latter is within the margin.
-                        tolerance = gap * min(1.0, 0.9 * margin / distance(x - ox, v - ov, loop))
+                    tolerance = tolerance_after(status, gap, margin, distance(x - ox, v - ov, loop))
             events += 1
             if events == next_checkpoint:
                 next_checkpoint = 2 * events
@@ -113,7 +133,7 @@ def follow(x, v, ring, head, budget, limit, loop, final=True):
         if delay > 0:
             head = (head + 1) % delay
     if not final:  # what has repeated without proof may yet be left, or proven
-        return (UNSETTLED if damped else UNDAMPED), 0, x, v, head, budget
+        return unsettled(damped), 0, x, v, head, budget
     if edge_n > 0:
         for j in range(delay):
             ring[j] = edge_ring[j]
@@ -123,7 +143,7 @@ def follow(x, v, ring, head, budget, limit, loop, final=True):
         return REST_EDGE, 1, rest, 0.0, head, budget
     # The tests grow rare: without one more, the share at rest could fall when the limit is raised.
     level = level_of(x, loop.sense)
-    fate, rest, _, _ = settles(x, v, level, loop)
-    if fate == AT_REST and constant_line(ring, level):
+    fate, rest = look_at_rest(x, v, level, ring, loop)
+    if fate == REST_PROVEN:
         return REST_PROVEN, 1, rest, 0.0, head, budget
-    return (UNSETTLED if damped else UNDAMPED), 0, x, v, head, budget
+    return unsettled(damped), 0, x, v, head, budget
