@@ -13,47 +13,57 @@ from typing import Any
 HAS = ("has_cogs", "has_curve", "is_there", "jitters")  # functions of one part, false of None
 
 
+def kind_of(ir: Any, variable: Any, args: Any) -> Any:
+    """Type of an argument in numba's code, or of a field of one; None where it is not known yet."""
+    from numba.core.ir import Arg, Expr
+    from numba.core.ir_utils import get_definition, guard
+    from numba.core.types import BaseNamedTuple
+
+    value = guard(get_definition, ir, variable)
+    if isinstance(value, Arg):
+        return args[value.index]
+    if not isinstance(value, Expr):
+        return None
+    if value.op == "getattr":
+        whole = kind_of(ir, value.value, args)
+        fields = getattr(whole, "fields", ()) if isinstance(whole, BaseNamedTuple) else ()
+        if value.attr in fields:
+            return whole.types[fields.index(value.attr)]
+    if value.op == "static_getitem":  # of several names that are assigned at once
+        listed = guard(get_definition, ir, value.value)
+        if isinstance(listed, Expr) and listed.op == "exhaust_iter":
+            listed = guard(get_definition, ir, listed.value)
+        if isinstance(listed, Expr) and listed.op == "build_tuple":
+            return kind_of(ir, listed.items[value.index], args)
+    return None
+
+
+def answer(ir: Any, asked: Any, args: Any) -> bool | None:
+    """What an expression in numba's code is by the types of arguments; None where they do not decide it."""
+    from numba.core.ir import Const
+    from numba.core.ir_utils import get_definition, guard
+    from numba.core.registry import CPUDispatcher
+    from numba.core.types import NoneType, Omitted, Optional
+
+    if asked.op == "call" and len(asked.args) == 1:
+        called = getattr(guard(get_definition, ir, asked.func), "value", None)
+        name = called.py_func.__name__ if isinstance(called, CPUDispatcher) else ""
+        return False if name in HAS and isinstance(kind_of(ir, asked.args[0], args), NoneType) else None
+    if asked.op == "binop" and asked.fn in (operator.is_, operator.is_not):
+        kind, other = kind_of(ir, asked.lhs, args), guard(get_definition, ir, asked.rhs)
+        if kind is None or isinstance(kind, Omitted | Optional) or not isinstance(other, Const):
+            return None
+        if other.value is None:
+            return isinstance(kind, NoneType) == (asked.fn is operator.is_)
+    return None
+
+
 @cache
 def deciding() -> Any:
     """The step of numba's compiler, which is loaded here, that does so. It belongs before `DeadBranchPrune`."""
     from numba.core.compiler_machinery import FunctionPass, register_pass
     from numba.core.consts import ConstantInference
-    from numba.core.ir import Arg, Assign, Const, Expr
-    from numba.core.ir_utils import get_definition, guard
-    from numba.core.registry import CPUDispatcher
-    from numba.core.types import BaseNamedTuple, NoneType, Omitted, Optional
-
-    def kind_of(ir: Any, variable: Any, args: Any) -> Any:
-        """Type of an argument, or of a field of one; None where it is not known yet."""
-        value = guard(get_definition, ir, variable)
-        if isinstance(value, Arg):
-            return args[value.index]
-        if isinstance(value, Expr) and value.op == "getattr":
-            whole = kind_of(ir, value.value, args)
-            fields = getattr(whole, "fields", ()) if isinstance(whole, BaseNamedTuple) else ()
-            if value.attr in fields:
-                return whole.types[fields.index(value.attr)]
-        if isinstance(value, Expr) and value.op == "static_getitem":  # of several names that are assigned at once
-            listed = guard(get_definition, ir, value.value)
-            if isinstance(listed, Expr) and listed.op == "exhaust_iter":
-                listed = guard(get_definition, ir, listed.value)
-            if isinstance(listed, Expr) and listed.op == "build_tuple":
-                return kind_of(ir, listed.items[value.index], args)
-        return None
-
-    def answer(ir: Any, asked: Any, args: Any) -> bool | None:
-        """What an expression is by these types; None where they do not decide it."""
-        if asked.op == "call" and len(asked.args) == 1:
-            called = getattr(guard(get_definition, ir, asked.func), "value", None)
-            name = called.py_func.__name__ if isinstance(called, CPUDispatcher) else ""
-            return False if name in HAS and isinstance(kind_of(ir, asked.args[0], args), NoneType) else None
-        if asked.op == "binop" and asked.fn in (operator.is_, operator.is_not):
-            kind, other = kind_of(ir, asked.lhs, args), guard(get_definition, ir, asked.rhs)
-            if kind is None or isinstance(kind, Omitted | Optional) or not isinstance(other, Const):
-                return None
-            if other.value is None:
-                return isinstance(kind, NoneType) == (asked.fn is operator.is_)
-        return None
+    from numba.core.ir import Assign, Const, Expr
 
     @register_pass(mutates_CFG=False, analysis_only=False)
     class Deciding(FunctionPass):

@@ -63,6 +63,27 @@ def release_time(free, w, phi, decay):
     return -log1p(share) / decay if share < 0.0 else 0.0
 
 
+def way_under(free, phi):
+    """Which way a knob at rest moves under a drive; 0 where friction holds it."""
+    if abs(free) <= phi:
+        return 0.0
+    return 1.0 if free > 0.0 else -1.0
+
+
+def set_off(free, w, phi, decay, left):
+    """Which way a knob that sticks comes loose within ``left``, and when: ``(way, time)``, way 0 if it does not.
+
+    It sticks, or not, under ``free``, and under ``w`` beside that, which decays.
+    """
+    way = way_under(free + w, phi)
+    if way != 0.0:
+        return way, 0.0
+    time = release_time(free + w, w, phi, decay)
+    if time < 0.0 or time >= left:
+        return 0.0, left
+    return (1.0 if free > 0.0 else -1.0), time
+
+
 def follow_with_friction(torque, fading, decay, gain, alpha, beta, phi, first, speed, angle, slopes):
     """Angle at every sample, and its derivatives by alpha, beta and phi at a fixed gain, with Coulomb friction.
 
@@ -89,15 +110,11 @@ def follow_with_friction(torque, fading, decay, gain, alpha, beta, phi, first, s
                 break
             free = gain * torque[i] - beta * x
             if way == 0.0:
-                if abs(free + w) <= phi:
-                    time = release_time(free + w, w, phi, decay)
-                    if time < 0.0 or time >= left:
-                        break
-                    left -= time
-                    w *= exp(-decay * time)
-                    way = 1.0 if free > 0.0 else -1.0
-                else:
-                    way = 1.0 if free + w > 0.0 else -1.0
+                way, time = set_off(free, w, phi, decay, left)
+                if way == 0.0:
+                    break
+                left -= time
+                w *= exp(-decay * time)
             d = free - phi * way
             time, turns = left, False
             part = whole if left == 1.0 else hold_derivatives(alpha, beta, decay, left)
@@ -136,11 +153,8 @@ def follow_with_friction(torque, fading, decay, gain, alpha, beta, phi, first, s
             if turns:
                 free = gain * torque[i] - beta * x + w
                 before = free - phi * way
-                if abs(free) <= phi:
-                    way, after = 0.0, 0.0
-                else:
-                    way = 1.0 if free > 0.0 else -1.0
-                    after = free - phi * way
+                way = way_under(free, phi)
+                after = free - phi * way if way != 0.0 else 0.0
                 jump = after / before if before != 0.0 else 0.0
                 v, va, vb, vf = 0.0, va * jump, vb * jump, vf * jump
                 vx, vv = vx * jump, vv * jump
