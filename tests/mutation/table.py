@@ -181,6 +181,8 @@ WATCHED: dict[str, tuple[str, ...]] = {
     ),
     "general/sets/friction_rest.py": (f"{PROOF}test_friction_rest_margins.py",),
     "general/sets/friction_piece.py": FRICTION_SETS,
+    "general/sets/friction_set.py": FRICTION_SETS,
+    "general/sets/friction_turns.py": (f"{GENERAL_SETS}test_friction_turns.py",),
     "general/sets/friction_box.py": (f"{PROOF}test_friction_box_margins.py",),
     **{
         f"general/sets/{name}.py": (f"{GENERAL_SETS}test_friction_arc.py",)

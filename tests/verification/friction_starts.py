@@ -35,14 +35,26 @@ class FrictionStarts:
         self.limit, self.step = actuator.get("torque_limit") or np.inf, actuator.get("torque_step", 0.0)
         self.band, self.over = actuator.get("dead_band", 0.0), torques(scene, counts)
         self.delay = int(actuator.get("delay_samples", 0.0))
+        encoder = scene.get("encoder", {})
+        self.half = 0.5 * (encoder.get("hysteresis_counts", 0.0) + encoder.get("backlash", 0.0) / self.quantum)
+        self.count = np.zeros(0)
         a = np.zeros((3, 3))
         a[0, 1] = 1.0
         a[1] = -self.stiffness / self.inertia, -damping / self.inertia, 1.0 / self.inertia
         self.moves = [expm(a * self.period / 2.0**k) for k in range(HALVINGS + 1)]
 
+    def shown(self, theta: Array, count: Array) -> Array:
+        """Reading after a count: edges are passed half of the hysteresis later, on the way up and on the way down."""
+        x = theta / self.quantum
+        return np.clip(count, np.floor(x - self.half), np.floor(x + self.half))
+
+    def stop(self, which: NDArray[np.int64], theta: Array) -> None:
+        """Let the trials ``which`` stop at angles: their counts are those of there."""
+        self.count[which] = self.shown(theta, self.count[which])
+
     def command(self, theta: Array, before: Array) -> tuple[Array, Array]:
         """Torque, and the reading."""
-        shown = np.floor(theta / self.quantum)
+        shown = self.shown(theta, self.count)
         torque = -self.wall * shown * self.quantum
         torque -= self.virtual / self.period * (shown - before) * self.quantum
         torque = np.where(shown < 0.0, torque, 0.0) + (self.over(shown) if self.over else 0.0)
@@ -79,6 +91,7 @@ class FrictionStarts:
                 goes = next_w * s > 0.0
                 at, w = np.where(goes, next_at, at), np.where(goes, next_w, w)
                 left -= goes * 2.0**-k
+            self.stop(stops, at)
             s = self.direction(at, np.zeros(len(at)), u)
             w = np.zeros(len(at))
             for k in range(1, HALVINGS + 1):
@@ -102,9 +115,10 @@ class FrictionStarts:
     def _periods(self, theta: Array, omega: Array, samples: int) -> Iterator[tuple[Array, Array, Array]]:
         """The state after each sample period, and the reading before; commands wait in one line all along."""
         line = [np.zeros(len(theta)) for _ in range(self.delay)]
-        before = np.floor(theta / self.quantum)
+        self.count = before = np.floor(theta / self.quantum)
         for _ in range(samples):
             torque, before = self.command(theta, before)
+            self.count = before.copy()
             line.append(torque)
             theta, omega = self.hold(theta, omega, line.pop(0) - self.push)
             yield theta, omega, before

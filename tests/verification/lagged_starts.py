@@ -55,13 +55,13 @@ class LaggedStarts(FrictionStarts):
             to = self._after(0, state, torque, side)
             (ends,) = np.nonzero(~self._goes_on(to, side))
             if len(ends):
-                to[:, ends] = self._through(state[:, ends], torque[ends])
+                to[:, ends] = self._through(state[:, ends], torque[ends], ends)
             state = to
         self.acts = state[2]
         return state[0], state[1]
 
-    def _through(self, state: Array, torque: Array) -> Array:
-        """A part of a period in which modes end."""
+    def _through(self, state: Array, torque: Array, which: NDArray[np.int64]) -> Array:
+        """A part of a period in which modes end, of these trials."""
         left = np.ones(state.shape[1])
         for event in range(EVENTS + 1):
             side = self.direction(state[0], state[1], state[2])
@@ -73,7 +73,9 @@ class LaggedStarts(FrictionStarts):
                 state = np.where(takes, to, state)
                 left -= takes * 2.0**-k
             ended = left > 0.0
-            state[1] = np.where(ended & (side != 0.0), 0.0, state[1])
+            stops = ended & (side != 0.0)
+            state[1] = np.where(stops, 0.0, state[1])
+            self.stop(which[stops], state[0, stops])
             if not ended.any():
                 break
             # Past the end of what was held by a rounding: the next mode is to begin.

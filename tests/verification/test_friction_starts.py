@@ -35,8 +35,12 @@ def states_of(knob: GeneralKnob, one: Attractor) -> NDArray[np.float64]:
 def listed(knob: GeneralKnob, found: tuple[Attractor, ...], x: Any, v: Any) -> NDArray[np.bool_]:
     """Whether each state lies on a listed orbit, or at rest in a reading of a listed rest."""
     near = np.zeros(len(x), dtype=bool)
+    half = 0.5 * knob.wall.hysteresis
     for one in found:
-        if one.outcome is Outcome.REST:
+        if one.outcome is Outcome.REST and half > 0.0:  # counts outside the wall are told as one
+            top = np.inf if one.before >= 0.0 else one.before + 1.0 + half
+            near |= (np.abs(v) < 1e-6) & (x > one.before - half) & (x < top)
+        elif one.outcome is Outcome.REST:
             near |= (v == 0.0) & (np.floor(x) == np.floor(one.x))
             # What creeps to the end of the zone of rest has the reading, too, and hardly any speed.
             near |= (np.abs(v) < 1e-6) & (np.floor(x) == np.floor(one.x))
@@ -85,6 +89,28 @@ SCENES = {
         512,
     ),
     "slow lag": (scene(knob={"coulomb_torque": 2.0e-4}, actuator={"time_constant": 2e-3}), 464.0, 256),
+    "hysteresis": (scene(knob={"coulomb_torque": 1.0e-4}, encoder={"hysteresis_counts": 0.4}), 1000.0, 1024),
+    "hysteresis, late": (
+        scene(knob={"coulomb_torque": 5.6e-4}, encoder={"hysteresis_counts": 0.1}, actuator={"delay_samples": 1.0}),
+        455.0,
+        256,
+    ),
+    "hysteresis that rests": (scene(knob={"coulomb_torque": 9.0e-4}, encoder={"hysteresis_counts": 0.3}), 464.0, 256),
+    "slack on detents": (
+        scene(
+            knob={"coulomb_torque": 1.0e-4},
+            wall=FREE,
+            detents={"per_revolution": 64, "torque": 4e-3},
+            encoder={"backlash": 1e-3},
+        ),
+        464.0,
+        1024,
+    ),
+    "hysteresis and lag": (
+        scene(knob={"coulomb_torque": 3.0e-4}, encoder={"hysteresis_counts": 0.5}, actuator={"time_constant": 3e-4}),
+        1000.0,
+        512,
+    ),
     "lag, step, limit": (
         scene(
             knob={"coulomb_torque": 3.0e-4},

@@ -6,8 +6,8 @@
 - behind hysteresis `turns` of one motion, `swings` of a set; `parts` and `arc_parts` what pieces, arcs are cut into
 - `memory` what all states of a set have in common: commands under way, or what a controller's law remembers
 - `afar` what a wall is from far out, for the region that every motion comes into
-- with a lag `lagged_step`, `lagged_stops`; with friction `friction_step`, `friction_piece`, `friction_box`,
-  `friction_phases`, `convex`
+- with a lag `lagged_step`, `lagged_stops`; with friction `friction_step`, `friction_set`, `friction_piece`,
+  `friction_box`, `friction_phases`, `convex`; behind hysteresis, too, `friction_turns`
 - with friction and more states all phases of one start: `friction_arc`, moved over a hold, `friction_arc_parts`,
   `friction_arc_rest`, `friction_arcs`, `friction_arc_search`
 - under a law, with friction or without, the same and `law_search`: cut at samples and at looks into an interval

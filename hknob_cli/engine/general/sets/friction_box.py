@@ -8,7 +8,7 @@ from hknob_cli.engine.follow import GREW, UNSETTLED
 from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.sets.box import ENDED, KEPT, PARTED, SECTION, SMALL, UNPROVEN
 from hknob_cli.engine.general.sets.cell import Centre, acting_as
-from hknob_cli.engine.general.sets.convex import widest
+from hknob_cli.engine.general.sets.convex import extent, widest
 from hknob_cli.engine.general.sets.friction_piece import move_piece, part_piece
 from hknob_cli.engine.general.sets.friction_rest import UNKNOWN, resting_piece
 from hknob_cli.engine.general.sets.known import NO_ROOM, blame, captor, fate_of, is_proven, seek
@@ -19,6 +19,18 @@ from hknob_cli.engine.general.sets.readings import steps_deeper
 from hknob_cli.engine.general.sets.turns import count_of, half_of, level_at
 
 OFTEN = 8  # samples from one chance of wide pieces to be merged to the next
+
+
+def take_piece(room, waiting):
+    """Leave the piece that waits at this place in ``room.own``, and its corners: ``(centre, number of corners)``."""
+    own, size = room.own, len(room.own)
+    for k in range(size):
+        own[k] = room.stack[waiting * size + k]
+    centre, count = take(own, room.own_z, room.own_ring), int(own[COUNT])
+    first = STATE + len(centre.z) + len(centre.ring)
+    for k in range(2 * count):
+        room.corners[k] = own[first + k]
+    return centre, count
 
 
 def follow_piece(room, work, waiting, width, scope, cell):
@@ -35,20 +47,13 @@ def follow_piece(room, work, waiting, width, scope, cell):
     watch = watched(known.law, cell.wall)
     half = half_of(turns, False, watch)
     while True:
-        for k in range(size):
-            own[k] = room.stack[waiting * size + k]
-        centre = take(own, room.own_z, room.own_ring)
+        centre, count = take_piece(room, waiting)
         z, last, at, weight = centre.z, centre.level, int(centre.sample), centre.weight
-        count, edges = int(own[COUNT]), STATE + len(z) + len(centre.ring)
-        for k in range(2 * count):
-            corners[k] = own[edges + k]
         radius = widest(corners, count, body)
         ahead = centre.error  # with all that torques may still add
         if body.lag > 0.0:
             ahead += own[SPREAD] / body.lag
-        least, most = corners[0], corners[0]
-        for k in range(1, count):
-            least, most = min(least, corners[2 * k]), max(most, corners[2 * k])
+        least, most, _, _ = extent(corners, count)
         if at >= scope.budget or not -scope.limit < z[0] < scope.limit:
             blame(UNSETTLED if at >= scope.budget else GREW, weight, known)
             return waiting, UNPROVEN, -1, taken

@@ -15,7 +15,6 @@ from hknob_cli.engine.general.sets.friction_set import (
     LOOK,
     SHOWN,
     SPAN,
-    TOLD,
     TORQUE,
     F,
     G,
@@ -185,12 +184,11 @@ def move_piece(room, work, waiting, centre, count, cell):
             if waiting < 0:
                 return -1
             continue
-        if turns is not None and work.acts[TOLD - LATE] != part + 1.0:
-            more = tell_count(work, sets, place, cuts, kept, error, cell)
-            if more < 0:
+        if turns is not None:
+            sets, parted = tell_count(work, sets, place, cuts, kept, error, cell)
+            if sets < 0:
                 return -1
-            if work.acts[TOLD - LATE] != part + 1.0 or more > sets:
-                sets = more
+            if parted:
                 continue
         least = work.least[0] if cuts < MOST_CUTS and sets + 2 <= most else float("inf")
         fate, x, v, later, after = move_over_part(work, place, kept, least, body)

@@ -180,13 +180,15 @@ def part_ways(work, at, place, cuts, count, slack):
 
 
 def tell_count(work, at, place, cuts, count, error, cell):
-    """Tell the count of the set in ``work.corners`` at the stops of its part of an interval: how many sets there are.
+    """Tell the count of the set in ``work.corners`` at the stops of its part of an interval: ``(sets, parted)``.
 
     Where it is one, it is left in ``work.acts``, and there are ``at`` sets as before. Else a set waits for each count,
-    with what it is cut to. -1: no room.
+    with what it is cut to, and there are so many ``sets`` then; -1: no room.
     """
     turns, body, watch = cell.known.turns, cell.body, watched(cell.known.law, cell.wall)
     part, x, v, _ = place
+    if work.acts[TOLD - LATE] == part + 1.0:
+        return at, False
     shown, side, shape = work.acts[SHOWN - LATE], work.acts[SIDE - LATE], Shape(x, v, work.corners, count)
     hold, free = part_ahead(work, part, body)
     plan, reach, unsure = plan_counts(turns, shown, side, shape, free, error, hold, body, watch)
@@ -195,24 +197,24 @@ def tell_count(work, at, place, cuts, count, error, cell):
         hold, free = part_ahead(work, part, body)
         plan, reach, unsure = plan_counts(turns, shown, side, shape, free, error, hold, body, watch)
     if unsure and free[1] - free[0] > body.friction:
-        return -1
+        return -1, False
     way, level, last = plan
     room_for = room_for_sets(work)
     if way == 0 and cuts < MOST_CUTS and at + 2 <= room_for:
-        return part_ways(work, at, place, cuts, count, slack_of(shape, free, error, body))
+        return part_ways(work, at, place, cuts, count, slack_of(shape, free, error, body)), True
     work.acts[TOLD - LATE], work.acts[SIDE - LATE] = part + 1.0, 0.0
     if level == last:
         work.acts[SHOWN - LATE] = level
-        return at
+        return at, False
     while level <= last:
         kept, _ = cut_by_turns(turns, plan, level, shown, reach, work.corners, count, watch)
         if kept > 0:
             if at + 2 > room_for:
-                return -1
+                return -1, False
             while kept > MOST_CORNERS:
                 kept = drop_edge(turns.kept, kept)
             work.acts[SHOWN - LATE] = level
             begin_set(work, at, place, cuts, turns.kept, kept)
             at += 1
         level += 1.0
-    return at
+    return at, True
