@@ -151,17 +151,22 @@ BESIDES = re.compile(
 
 
 class Command:
-    """The installed command, run in a folder: see `tests.forked`; from its start where its environment is another."""
+    """The installed command, run in a folder: see `tests.forked`; from its start where its environment is another.
+
+    ``given`` is on its standard input. The width of a terminal is read by each run.
+    """
 
     def __init__(self, forks: Forks, folder: Path) -> None:
         self._forks, self._folder = forks, folder
 
-    def __call__(self, *args: object, **env: str) -> subprocess.CompletedProcess[str]:
+    def __call__(
+        self, *args: object, given: bytes = b"", columns: int = 120, **env: str
+    ) -> subprocess.CompletedProcess[str]:
         if env:
             return self.anew(*args, **env)
         words = [str(arg) for arg in args]
-        here = {**os.environ, "COLUMNS": "120"}
-        code, out, err = self._forks.run(words, cwd=self._folder, env=here, timeout=LONGEST_S)
+        here = {**os.environ, "COLUMNS": str(columns)}
+        code, out, err = self._forks.run(words, cwd=self._folder, env=here, timeout=LONGEST_S, given=given)
         return subprocess.CompletedProcess([HKNOB, *words], code, out, BESIDES.sub("", err))
 
     def anew(self, *args: object, **env: str) -> subprocess.CompletedProcess[str]:

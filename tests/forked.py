@@ -61,12 +61,23 @@ class Forks:
                 start_new_session=True,
             )
 
-    def run(self, words: Iterable[str], *, cwd: Path, env: dict[str, str], timeout: float) -> tuple[int, str, str]:
-        """Exit code, standard output and standard error. Raises `subprocess.TimeoutExpired`."""
+    def run(
+        self, words: Iterable[str], *, cwd: Path, env: dict[str, str], timeout: float, given: bytes = b""
+    ) -> tuple[int, str, str]:
+        """Exit code, standard output and standard error, where ``given`` is on standard input.
+
+        Raises `subprocess.TimeoutExpired`.
+        """
         words = list(words)
         request = json.dumps([words, os.fspath(cwd), env]).encode()
-        with TemporaryFile("w+", encoding="utf-8") as out, TemporaryFile("w+", encoding="utf-8") as err:
-            socket.send_fds(self._ours, [request], [out.fileno(), err.fileno()])
+        with (
+            TemporaryFile() as into,
+            TemporaryFile("w+", encoding="utf-8") as out,
+            TemporaryFile("w+", encoding="utf-8") as err,
+        ):
+            into.write(given)
+            into.seek(0)
+            socket.send_fds(self._ours, [request], [into.fileno(), out.fileno(), err.fileno()])
             self._ours.settimeout(timeout)
             try:
                 status = int(self._ours.recv(MOST))
@@ -131,7 +142,7 @@ def build() -> None:
 def serve(ours: socket.socket) -> None:
     """Run what is asked for until nobody asks."""
     while True:
-        request, files, _, _ = socket.recv_fds(ours, MOST, 2)
+        request, files, _, _ = socket.recv_fds(ours, MOST, 3)
         if not request:
             return
         child = os.fork()
@@ -143,12 +154,12 @@ def serve(ours: socket.socket) -> None:
         ours.send(str(os.waitpid(child, 0)[1]).encode())
 
 
-def become(words: list[str], folder: str, environment: dict[str, str], out: int, err: int) -> None:
+def become(words: list[str], folder: str, environment: dict[str, str], *files: int) -> None:
     """Be the installed command; does not return."""
     from hknob_cli import at_once
     from hknob_cli.cli.main import main
 
-    for file, number in ((out, 1), (err, 2)):
+    for number, file in enumerate(files):
         os.dup2(file, number)
         os.close(file)
     os.chdir(folder)

@@ -18,21 +18,20 @@ stages:
 
 
 @pytest.fixture
-def piped(tmp_path: Path):
+def piped(hknob):
     """Runs the command with a text on its standard input."""
 
     def run(text: str | bytes, *words: str) -> subprocess.CompletedProcess[str]:
-        data = text if isinstance(text, bytes) else text.encode()
-        done = subprocess.run([HKNOB, *words], input=data, cwd=tmp_path, capture_output=True, check=False)
-        return subprocess.CompletedProcess(done.args, done.returncode, done.stdout.decode(), done.stderr.decode())
+        return hknob(*words, given=text if isinstance(text, bytes) else text.encode())
 
     return run
 
 
 def test_the_same_results_as_from_a_file(hknob, piped, tmp_path: Path) -> None:
+    """Through a pipe, too, from the start of the command."""
     (tmp_path / "sweep.yaml").write_text(SPEC)
     assert hknob("sweep", "sweep.yaml", "-o", "file", "-q").returncode == 0
-    done = piped(SPEC, "sweep", "-")
+    done = subprocess.run([HKNOB, "sweep", "-"], input=SPEC, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "wrote results/small/cells.parquet" in done.stdout
     assert "next:" not in done.stdout  # the spec is not there any more

@@ -53,7 +53,7 @@ def test_no_line_of_a_summary_is_wider_than_the_terminal(hknob, spec_file, what:
     kind, text = CASES[what]
     said = {}
     for width in WIDTHS:
-        done = hknob(kind, spec_file(text), "-o", "out", COLUMNS=str(width))
+        done = hknob(kind, spec_file(text), "-o", "out", columns=width)
         assert done.returncode == 0, done.stderr
         lines = done.stdout.split("\n\nwrote")[0].split("\n\nout/")[0].splitlines()
         assert max(map(len, lines)) <= width

@@ -32,7 +32,7 @@ def lose_power(cases: list[str], states: int, seed: int) -> None:
 
 
 def test_a_few_losses_of_power() -> None:
-    lose_power(QUICK, 50, 20261123)
+    lose_power(QUICK, 20, 20261123)
 
 
 @pytest.mark.long

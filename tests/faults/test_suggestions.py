@@ -66,7 +66,7 @@ def test_kinds_are_the_same_in_help_message_schema_and_completion(hknob, spec_fi
     wrong = hknob("schema", "swep")
     assert (wrong.returncode, wrong.stdout) == (2, "")
     assert wrong.stderr == f"unknown kind 'swep'; did you mean 'sweep'? allowed: {', '.join(SCHEMAS)}\n"
-    said = " ".join(hknob("schema", "-h", COLUMNS="300").stdout.split())
+    said = " ".join(hknob("schema", "-h", columns=300).stdout.split())
     assert ", ".join(SCHEMAS) in said
     words = {"_HKNOB_COMPLETE": "complete_bash", "COMP_WORDS": "hknob schema ", "COMP_CWORD": "2"}
     found = subprocess.run([HKNOB], env={**os.environ, **words}, capture_output=True, text=True, check=False)

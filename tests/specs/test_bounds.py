@@ -45,16 +45,19 @@ def test_what_is_much_and_good(text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("override", "fault"),
+    ("overrides", "fault"),
     [
         (
-            "press.duration=1e6",
+            ("press.duration=1e6",),
             "press.duration: must be shorter: 5e+12 samples of a knock at 125000 Hz, at most 1000000",
         ),
-        ("base.grid.counts_per_rev={lin: [1, 100000, 100000]}", "hands: must span at most 1000000 cells with the grid"),
+        (
+            ("base.grid.counts_per_rev={lin: [1, 1000, 1000]}", "base.grid.sample_rate_hz={log: [1, 1000, 1000]}"),
+            "hands: must span at most 1000000 cells with the grid",
+        ),
     ],
 )
-def test_remedies_that_are_too_much(override: str, fault: str) -> None:
+def test_remedies_that_are_too_much(overrides: tuple[str, ...], fault: str) -> None:
     with pytest.raises(SpecError) as caught:
-        load(Path(EXPERIMENTS / "remedies.yaml"), (override,))
+        load(Path(EXPERIMENTS / "remedies.yaml"), overrides)
     assert fault in str(caught.value)

@@ -57,7 +57,7 @@ def test_every_sample_at_60_digits(one: Drawn) -> None:
         assert np.array_equal(plain, fast)
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("controller", ["bounded lag", "damping, sensor", "impulse, short", "speed, tracked"])
 def test_trials_beside_a_controller(controller: str) -> None:
     errors = [

@@ -6,10 +6,9 @@ from typing import Any
 import pytest
 
 from hknob_cli.page.claims.checks import compute
-from hknob_cli.page.claims.ledger import load_ledger
 from hknob_cli.page.claims.verdict import judge_claim
 from hknob_cli.results.result_set import MissingError, ResultSet
-from tests.conftest import ROOT
+from tests.ledger import claim
 from tests.page.claims.conftest import SCENE, Made, cell
 
 GRID = [(rate, counts) for rate in (1000.0, 4000.0) for counts in (256, 1024)]
@@ -142,17 +141,13 @@ def test_other_trials_give_other_verdicts(
     made: Made, name: str, result: str, pitch: float, factor: float, verdict: str
 ) -> None:
     """Where the campaign is all there is, its reading decides."""
-    ledger = load_ledger(ROOT / "data" / "claims.yaml")
-    claim = next(one for one in ledger.claims if one.id == name)
     cells = [cell(rate, counts, size(rate, counts), 100.0) for rate, counts in GRID]
     made("chapter-8-push", {"cells": cells})
-    row = judge_claim(claim, campaign(made, result, pitch, factor))
+    row = judge_claim(claim(name), campaign(made, result, pitch, factor))
     assert row["verdict"] == verdict
     assert result in row["data"]
 
 
 def test_a_grip_that_persons_are_built_from_confirms_nothing() -> None:
-    ledger = load_ledger(ROOT / "data" / "claims.yaml")
     for name in ("sec-8.3-grip-held", "sec-8.3-grip-constant", "sec-8.2-just-enough-torque"):
-        claim = next(one for one in ledger.claims if one.id == name)
-        assert judge_claim(claim, ResultSet({}))["verdict"] == "not testable"
+        assert judge_claim(claim(name), ResultSet({}))["verdict"] == "not testable"

@@ -1,35 +1,21 @@
 """The ledger of the dissertation: verdicts that follow from the tables, and from nothing else."""
 
-from functools import cache
+import inspect
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from hknob_cli.page.claims.ledger import Ledger, load_ledger
-from hknob_cli.page.claims.verdict import judge, judge_claim
+from hknob_cli.page.claims.checks import known
+from hknob_cli.page.claims.verdict import judge_claim
 from hknob_cli.printed import tables
 from hknob_cli.printed.tables import file_of
 from hknob_cli.results.result_set import ResultSet
-from tests.conftest import ROOT
-
-LEDGER = ROOT / "data" / "claims.yaml"
-
-
-@cache
-def ledger() -> Ledger:
-    return load_ledger(LEDGER)
-
-
-@cache
-def verdicts() -> dict[str, dict[str, Any]]:
-    return {row["claim"]: row for row in judge(ledger(), ResultSet({})).to_pylist()}
+from tests.ledger import claim, verdicts
 
 
 def verdict(name: str) -> str:
     """What is said of one claim by the tables as they are now."""
-    (claim,) = (one for one in ledger().claims if one.id == name)
-    return str(judge_claim(claim, ResultSet({}))["verdict"])
+    return str(judge_claim(claim(name), ResultSet({}))["verdict"])
 
 
 def test_print_that_does_not_hold_together_is_found() -> None:
@@ -52,6 +38,12 @@ def test_every_claim_is_judged_or_says_why_not() -> None:
     for row in verdicts().values():
         assert row["because"]
         assert (row["computed"] is None) == (row["verdict"] == "not testable")
+
+
+def test_without_results_nothing_that_needs_one_is_decided() -> None:
+    for row in verdicts().values():
+        if row["check"] and "result" in inspect.signature(known()[row["check"]]).parameters:
+            assert row["verdict"] == "not testable", row["claim"]
 
 
 @pytest.mark.parametrize(

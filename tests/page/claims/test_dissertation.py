@@ -8,26 +8,21 @@ import pytest
 
 from hknob_cli.errors import UsageError
 from hknob_cli.page.claims.checks import known
-from hknob_cli.page.claims.ledger import Claim, Ledger, load_ledger
-from hknob_cli.page.claims.verdict import judge, judge_claim
+from hknob_cli.page.claims.ledger import Ledger
+from hknob_cli.page.claims.verdict import judge_claim
 from hknob_cli.results.provenance import describe
 from hknob_cli.results.result_set import ResultSet
 from hknob_cli.results.store import write
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.source import parse
 from hknob_cli.stages.sweep.run import SweepStage
-from tests.conftest import ROOT, SPEC
-
-LEDGER = ROOT / "data" / "claims.yaml"
+from tests import ledger as whole
+from tests.conftest import SPEC
 
 
 @pytest.fixture(scope="module")
 def ledger() -> Ledger:
-    return load_ledger(LEDGER)
-
-
-def by_id(ledger: Ledger, name: str) -> Claim:
-    return next(claim for claim in ledger.claims if claim.id == name)
+    return whole.ledger()
 
 
 def test_every_reading_fits_its_computation(ledger: Ledger) -> None:
@@ -38,15 +33,8 @@ def test_every_reading_fits_its_computation(ledger: Ledger) -> None:
                 inspect.signature(known()[claim.check]).bind(None, **{**claim.arguments, **reading.arguments})
 
 
-def test_without_results_nothing_that_needs_one_is_decided(ledger: Ledger) -> None:
-    for row in judge(ledger, ResultSet({})).to_pylist():
-        if row["check"] and "result" in inspect.signature(known()[row["check"]]).parameters:
-            assert row["verdict"] == "not testable", row["claim"]
-        assert row["because"]
-
-
 def test_an_argument_that_a_computation_lacks_is_a_mistake_of_the_ledger(ledger: Ledger) -> None:
-    claim = by_id(ledger, "sec-9.3-constant")
+    claim = whole.claim("sec-9.3-constant")
     wrong = claim.model_copy(update={"arguments": {**claim.arguments, "lawn": "green"}, "readings": []})
     with pytest.raises(UsageError, match=r"sec-9.3-constant: law_constant cannot use .*lawn"):
         judge_claim(wrong, ResultSet({}))
@@ -72,7 +60,7 @@ def test_a_changed_constant_changes_verdicts(ledger: Ledger, tmp_path: Path) -> 
     """Twice the damping halves C = 2 K / (pi b), and what the sweep itself shows, so 500 is no longer right."""
     printed = ResultSet({"hand-on-knob": swept(tmp_path, "printed")})
     doubled = ResultSet({"hand-on-knob": swept(tmp_path, "doubled", ("3.45e-4", "6.9e-4"))})
-    law, fitted = (by_id(ledger, name) for name in ("sec-9.3-constant", "sec-9.3-constant-fitted"))
+    law, fitted = (whole.claim(name) for name in ("sec-9.3-constant", "sec-9.3-constant-fitted"))
     assert judge_claim(law, printed)["verdict"] == "reproduced"
     assert judge_claim(fitted, printed)["verdict"] in ("reproduced", "differs")
     for claim in (law, fitted):
@@ -83,7 +71,7 @@ def test_a_changed_constant_changes_verdicts(ledger: Ledger, tmp_path: Path) -> 
 
 def test_a_stiffer_hand_changes_a_verdict(ledger: Ledger, tmp_path: Path) -> None:
     """At 2048 counts a hand of 0.08 N*m/rad carries the push within a count; one of 0.04 does not."""
-    claim = by_id(ledger, "sec-6.4.2-table-7")
+    claim = whole.claim("sec-6.4.2-table-7")
     stiffer = swept(tmp_path, "firm", ("1024", "2048"), ("0.04", "0.08"))
     light = ResultSet({"stiffer": stiffer, "hand-on-knob": swept(tmp_path, "light", ("1024", "2048"))})
     firm = ResultSet({"stiffer": stiffer, "hand-on-knob": stiffer})

@@ -10,14 +10,13 @@ import pytest
 from hknob_cli.errors import UsageError
 from hknob_cli.identify.second_order import Plant, respond
 from hknob_cli.page.claims.checks import compute
-from hknob_cli.page.claims.ledger import Claim, load_ledger
 from hknob_cli.page.claims.verdict import judge_claim
 from hknob_cli.printed.tables import table
 from hknob_cli.results.provenance import describe
 from hknob_cli.results.result_set import MissingError, ResultSet
 from hknob_cli.results.store import write
 from tests import sysid_results
-from tests.conftest import ROOT
+from tests.ledger import claim
 from tests.page.claims.conftest import Made
 
 J, B, K, RATIO = "inertia_kg_m2", "damping_nm_s_per_rad", "stiffness_nm_per_rad", "damping_ratio"
@@ -41,10 +40,6 @@ def conditions(
         rows += [{**base, "level": "subject", "subject": f"S{i}"} for i in range(persons)]
         rows.append({**base, "level": "all", "subject": None})
     return rows
-
-
-def claim(name: str) -> Claim:
-    return next(one for one in load_ledger(ROOT / "data" / "claims.yaml").claims if one.id == name)
 
 
 def test_means_within_two_standard_errors(made: Made) -> None:
