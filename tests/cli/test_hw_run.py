@@ -10,27 +10,18 @@ import pytest
 from hknob_cli.hardware.order import trials_of
 from hknob_cli.recordings.columns import KEYS, SAMPLES
 from hknob_cli.recordings.read import read
-from tests.conftest import EXPERIMENTS
+from tests.conftest import EXPERIMENTS, Command
 from tests.hardware.campaigns import SPEC, planned
 
 FILES = ("samples.parquet", "trials.parquet", "timing.parquet")
 
 
 @pytest.fixture(scope="module")
-def done(tmp_path_factory):
+def done(tmp_path_factory, forks):
     """A small campaign, run once: its folder and what was printed."""
-    import subprocess
-
-    from tests.conftest import HKNOB
-
     folder = tmp_path_factory.mktemp("campaign")
     (folder / "spec.yaml").write_text(SPEC)
-    said = subprocess.run(
-        [HKNOB, "hw-run", folder / "spec.yaml", "-o", folder / "out", "--plot"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    said = Command(forks, folder)("hw-run", folder / "spec.yaml", "-o", folder / "out", "--plot")
     assert said.returncode == 0, said.stderr
     return folder, said
 

@@ -12,19 +12,18 @@ import pytest
 
 from hknob_cli.recordings.columns import KEYS, SAMPLES
 from hknob_cli.recordings.read import read
-from tests.conftest import EXPERIMENTS, HKNOB
+from tests.conftest import EXPERIMENTS, HKNOB, Command
 from tests.hardware.pulses import SPEC
 
 FILES = ("samples.parquet", "trials.parquet", "timing.parquet")
 
 
 @pytest.fixture(scope="module")
-def done(tmp_path_factory):
+def done(tmp_path_factory, forks):
     """A small campaign, run once: its folder and what was printed."""
     folder = tmp_path_factory.mktemp("pulses")
     (folder / "spec.yaml").write_text(SPEC)
-    command = [HKNOB, "hw-run", folder / "spec.yaml", "-o", folder / "out", "--plot"]
-    said = subprocess.run(command, capture_output=True, text=True, check=False)
+    said = Command(forks, folder)("hw-run", folder / "spec.yaml", "-o", folder / "out", "--plot")
     assert said.returncode == 0, said.stderr
     return folder, said
 

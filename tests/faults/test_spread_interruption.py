@@ -117,6 +117,7 @@ def test_signals_to_all_at_random_instants(undisturbed, tmp_path: Path, kind: si
     assert {path: path.stat().st_mtime_ns for path in out.rglob("part-*")} == stamps
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_while_workers_begin(undisturbed, tmp_path: Path, kind: signal.Signals) -> None:
     """A worker that is just forked would answer as its parent does, with the traceback of an interruption."""

@@ -100,7 +100,7 @@ def engine_trial(plan: HwRunPlan, rate: int, counts: int) -> tuple[list[int], li
     return seen, torques
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("parts", [{}, LATE, {"knob": {"coulomb_torque": 1e-4}}], ids=["plain", "late", "friction"])
 @pytest.mark.parametrize(("rate", "counts"), [(1000, 1024), (4000, 512)])
 @pytest.mark.parametrize("name", MOTORS)

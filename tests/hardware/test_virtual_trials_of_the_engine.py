@@ -116,7 +116,7 @@ def engine_trial(case: Case, rate: int, counts: int) -> tuple[list[int], list[fl
     return seen, torques
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize(("rate", "counts"), [(1000, 1024), (4000, 512)])
 @pytest.mark.parametrize("name", CASES)
 def test_a_trial_is_the_engines(name: str, rate: int, counts: int) -> None:

@@ -7,7 +7,7 @@ Indices, lengths of loops, and plain numbers in a returned tuple are left as the
 
 import ast
 import copy
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Container, Iterator
 from pathlib import Path
 from types import CodeType
 from typing import Any, NamedTuple
@@ -74,13 +74,18 @@ class Mutant(NamedTuple):
         return f"{self.path.name}:{self.line} {self.name}: {self.change}\n    {self.text}"
 
 
-def mutants(path: Path) -> Iterator[Mutant]:
-    """All changes of a file: of functions, of methods without decorators, and of constants that are floats."""
+def mutants(path: Path, among: Container[str] | None = None) -> Iterator[Mutant]:
+    """All changes of a file: of functions, of methods without decorators, and of constants that are floats.
+
+    ``among``: names of functions to which it is confined.
+    """
     source = path.read_text()
     lines = source.splitlines()
     for owner, statement in _statements(ast.parse(source)):
         if isinstance(statement, ast.FunctionDef):
             function: str | None = owner + statement.name
+            if among is not None and function not in among:
+                continue
         elif isinstance(statement, ast.Assign) and _is_number(statement.value):
             function = None
         else:

@@ -95,7 +95,8 @@ def test_accepted_changes_are_changes_of_the_source_and_have_a_reason() -> None:
     listed = tomllib.loads((ROOT / "tests/mutation/accepted.toml").read_text())
     assert all(path_of(name).exists() for name in listed)
     for name, entries in listed.items():
-        known = [(one.name, one.text, one.change) for one in mutants(path_of(name))]
+        functions = {entry["function"] for entry in entries}
+        known = [(one.name, one.text, one.change) for one in mutants(path_of(name), functions)]
         for entry in entries:
             assert entry["kind"] in KINDS
             assert len(entry["reason"]) > 20

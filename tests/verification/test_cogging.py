@@ -273,6 +273,7 @@ def test_energy_of_cycles_over_corners() -> None:
     assert over >= 2
 
 
+@pytest.mark.long
 def test_trials_that_are_proven_to_rest_do_so_by_the_integrator() -> None:
     checked = 0
     for cell in cells():

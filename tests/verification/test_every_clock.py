@@ -47,6 +47,7 @@ def test_no_clock_exceeds_the_bound(jitter: float, rate: float, counts: int, tig
     assert tight * bound < worst <= bound
 
 
+@pytest.mark.long
 def test_a_wider_range_of_intervals_has_no_smaller_worst_case() -> None:
     found = []
     for jitter in (0.02, 0.2, 0.5):

@@ -126,7 +126,7 @@ RESTING: dict[str, dict[str, Any]] = {
 }
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.one_in(8)
 @pytest.mark.parametrize("jitter", [0.05, 0.6])
 @pytest.mark.parametrize("name", RESTING)
 def test_trials_that_are_proven_to_rest_do_so_in_the_model(name: str, jitter: float) -> None:

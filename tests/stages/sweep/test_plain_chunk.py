@@ -148,7 +148,7 @@ AXES = st.dictionaries(
 )
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(scene=SCENES, axes=AXES)
 def test_tables_are_those_of_the_cells_one_by_one(functions: Functions, scene: Any, axes: Any) -> None:
     try:
