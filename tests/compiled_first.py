@@ -1,6 +1,8 @@
 """The engine is compiled before the tests, where it is not yet: each worker of a run compiles a share of it.
 
-Without this two workers begin by compiling the same, and commands that find nothing compiled are interpreted.
+Without this two workers begin by compiling the same, and commands that find nothing compiled are interpreted. Sets of
+starts in the general loop take the compiler longer than all else. The quick tests of them are interpreted; only the
+long ones begin with compiling these, too.
 """
 
 import os
@@ -19,15 +21,24 @@ DETENTS = "scene.detents={per_revolution: 24, torque: 2 mN*m}"
 CONTROLLER = "scene.controller={kind: bounded_lag, keep: 0.15, time_constant: 0.2}"
 # Of two workers: sweeps of one cell, each of which takes other groups of `engine.jit`. They take about as long.
 SHARES = (
-    ((TRIALS, FRICTION), (TRIALS, CONTROLLER), (PHASES, CONTROLLER), (TRIALS, DETENTS), (TRIALS, DETENTS, CONTROLLER)),
-    ((TRIALS,), (PHASES,), (BOX,), (PHASES, FRICTION), (BOX, FRICTION), (PHASES, LIMIT), (BOX, LIMIT)),
+    ((TRIALS, FRICTION), (TRIALS, DETENTS)),
+    ((TRIALS,), (PHASES,), (BOX,), (TRIALS, CONTROLLER)),
+)
+# What only long tests take.
+MORE = (
+    ((PHASES, CONTROLLER), (PHASES, LIMIT), (BOX, LIMIT)),
+    ((PHASES, FRICTION), (BOX, FRICTION), (TRIALS, DETENTS, CONTROLLER)),
 )
 
 
-def compile_share(spec: Path) -> None:
-    """Run what this worker's share has of ``spec``, a sweep, where its groups are not compiled; once on a machine."""
+def compile_share(spec: Path, *, long: bool) -> None:
+    """Run what this worker's share has of ``spec``, a sweep, where its groups are not compiled; once on a machine.
+
+    ``long``: whether long tests are to follow.
+    """
     number = os.environ.get("PYTEST_XDIST_WORKER", "").removeprefix("gw")
-    share = SHARES[int(number)] if number.isdecimal() and int(number) < len(SHARES) else ()
+    mine = int(number) if number.isdecimal() and int(number) < len(SHARES) else None
+    share = () if mine is None else (*SHARES[mine], *(MORE[mine] if long else ()))
     plans = [load(spec, (*CELL, *one), kind="sweep") for one in share]
     stages = [SweepStage(plan, jobs=1) for plan in plans if isinstance(plan, SweepPlan)]
     # All are looked at first: a group is kept as soon as one of its functions is, and with it one of its two variants.

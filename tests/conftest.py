@@ -58,7 +58,9 @@ starts: {angle: 0.02, phases: 8}
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Options that `make test` and `make long` give."""
     parser.addoption("--draw", metavar="WORD", help="of like long tests, only some, drawn by this: see tests/drawn.py")
-    parser.addoption("--compiled", action="store_true", help="begin with compiling, each worker a share")
+    parser.addoption(
+        "--compiled", action="store_true", help="begin with compiling what the tests take, each worker a share"
+    )
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -72,7 +74,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     if session.config.getoption("--compiled", default=False):
         from tests.compiled_first import compile_share
 
-        compile_share(EXPERIMENTS / "hand_on_knob.yaml")
+        compile_share(EXPERIMENTS / "hand_on_knob.yaml", long=session.config.getoption("-m") != "not long")
 
 
 @pytest.fixture

@@ -20,18 +20,28 @@ def groups_of(share: tuple[tuple[str, ...], ...]) -> set[str]:
     return found
 
 
+SETS = {"general sets", "friction sets"}  # which quick tests do not take
+
+
 def test_each_share_has_groups_of_its_own() -> None:
     one, other = map(groups_of, compiled_first.SHARES)
-    assert one & other == {"friction sets"}  # a part of it, for a law
+    assert not one & other
     slow = {name for name, seconds in COMPILING_S.items() if seconds > 5.0}
-    assert slow - {"friction arcs"} <= one | other  # these are compiled for long tests only
+    assert slow - SETS - {"friction arcs"} <= one | other
+    assert not SETS & (one | other)
+
+
+def test_long_tests_have_all_sets() -> None:
+    one, other = map(groups_of, compiled_first.MORE)
+    assert one & other == {"friction sets"}  # a part of it, for a law
+    assert one | other >= SETS
 
 
 def test_where_all_is_compiled_nothing_is_done(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compiled_first, "is_kept", lambda _group: True)
     monkeypatch.setattr(SweepStage, "run", None)
     monkeypatch.setenv("PYTEST_XDIST_WORKER", "gw1")
-    compiled_first.compile_share(GRID)
+    compiled_first.compile_share(GRID, long=True)
 
 
 @pytest.mark.parametrize("worker", ["gw7", "", "master"])
@@ -39,4 +49,4 @@ def test_further_workers_and_single_processes_wait_for_nothing(worker: str, monk
     monkeypatch.setattr(compiled_first, "is_kept", lambda _group: False)
     monkeypatch.setattr(SweepStage, "run", None)
     monkeypatch.setenv("PYTEST_XDIST_WORKER", worker)
-    compiled_first.compile_share(GRID)
+    compiled_first.compile_share(GRID, long=True)

@@ -14,7 +14,7 @@ from .page import page, says, table
 
 PAGE = "explanation/knobs.md"
 GRIPS = (0.71, 14.2)
-SLOW = ("smartknob", "hapkit", "moteus_ht1105")  # every start in a range: up to a minute, once compiled
+SLOW = ("smartknob", "hapkit", "moteus_ht1105", "href", "odrive_v3")  # sets of starts: up to a minute, once compiled
 
 
 def cells(name: str, *overrides: str) -> pd.DataFrame:

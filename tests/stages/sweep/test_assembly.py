@@ -197,8 +197,9 @@ def test_a_worker_draws_a_design_with_the_same_scipy() -> None:
         "kind: bounded_lag",
     ],
 )
-def test_controlled_cells_are_the_same_in_any_piece(controller: str) -> None:
-    text = SPEC.replace("[1000]", "[500, 1000]").replace("[1024]", "[64, 128, 256]").replace(", phases: 8", "")
+@pytest.mark.parametrize("phases", [", phases: 8", pytest.param("", marks=pytest.mark.long, id="all")])
+def test_controlled_cells_are_the_same_in_any_piece(controller: str, phases: str) -> None:
+    text = SPEC.replace("[1000]", "[500, 1000]").replace("[1024]", "[64, 128, 256]").replace(", phases: 8", phases)
     stage = SweepStage(loaded(text.replace("wall:", f"controller: {{{controller}}}\n  wall:")), jobs=1)
     whole = stage.run()
     parts = [decode(encode(find_piece(stage, a, b), {})) for a, b in ((0, 1), (1, 6))]

@@ -22,6 +22,7 @@ starts: {angle: 0.02}
 """
 
 
+@pytest.mark.long
 def test_sets_that_are_given_up_are_sampled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "spec.yaml"
     path.write_text(SPEC)
