@@ -1,7 +1,9 @@
 """Settings of matplotlib in the working folder change no picture, and stop none."""
 
 import shutil
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -19,19 +21,20 @@ HOSTILE = {
 @pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", [*HOSTILE])
 def test_no_picture_is_changed(name: str, hknob, spec_file, tmp_path: Path) -> None:
+    """The settings are read while the program loads, so that they are there when it starts."""
     page = "kind: report\nname: page\nresults: {grid: grid}\n"
 
-    def drawn() -> dict[str, bytes]:
-        done = hknob.anew("sweep", spec_file(GRID), "-o", "grid", "--plot")
+    def drawn(run: Callable[..., Any]) -> dict[str, bytes]:
+        done = run("sweep", spec_file(GRID), "-o", "grid", "--plot")
         assert (done.returncode, done.stderr) == (0, "")
-        done = hknob.anew("report", spec_file(page, "r.yaml"), "-o", "page")
+        done = run("report", spec_file(page, "r.yaml"), "-o", "page")
         assert (done.returncode, done.stderr) == (0, "")
         kinds = (".png", ".svg", ".html")
         return {path.name: path.read_bytes() for path in tmp_path.rglob("*") if path.suffix in kinds}
 
-    without = drawn()
+    without = drawn(hknob)
     assert len(without) > 2
     for folder in ("grid", "page"):
         shutil.rmtree(tmp_path / folder)
     (tmp_path / "matplotlibrc").write_bytes(HOSTILE[name])
-    assert drawn() == without
+    assert drawn(hknob.anew) == without

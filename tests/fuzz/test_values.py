@@ -24,7 +24,7 @@ VALUES = st.recursive(
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("kind", STAGES)
 @settings(
-    max_examples=60,
+    max_examples=30,
     derandomize=True,
     database=None,
     deadline=None,

@@ -14,6 +14,7 @@ from hknob_cli.stages.sysid.run import SysidStage
 from tests.apparatus.truths import truths
 from tests.conftest import EXPERIMENTS as SPECS
 
+pytestmark = pytest.mark.long
 NAMES = {
     "inertia_kg_m2": "inertia_std_kg_m2",
     "damping_nm_s_per_rad": "damping_std_nm_s_per_rad",
