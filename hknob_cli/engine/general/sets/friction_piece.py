@@ -86,7 +86,6 @@ def look_at_set(room, work, at, place, count, error, look, cell):
             if at + 2 > room_for:
                 return -1
             work.seen[look] = level
-            work.acts[SHOWN - LATE] = level
             share = part_weight(weight, whole, room.halves, kept, body)
             at = begin_halves(room, work, at, (part, x, v, share), kept, body)
         level = next_at(turns, level, watch)
