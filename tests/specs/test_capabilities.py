@@ -89,7 +89,7 @@ PAIRS = [
     ("jitter", "cogging", "general"),
     ("mesh", "cogging", "general"),
     ("gear", "cogging", "general"),
-    ("controller", "cogging", "laws"),
+    pytest.param("controller", "cogging", "laws", marks=pytest.mark.long),  # compiles a loop that no quick test takes
     ("speed_sensor", "cogging", "laws"),
     ("detents", "cogging", "general"),
     ("squeeze", "cogging", "general"),

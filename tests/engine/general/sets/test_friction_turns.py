@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from hknob_cli.engine.general.controller import read, read_after, told
 from hknob_cli.engine.general.interval import advance
+from hknob_cli.engine.general.laws.step import advance_with_law, begin_past
 from hknob_cli.engine.general.sets.cell import Cell
 from hknob_cli.engine.general.sets.convex import keep_side
 from hknob_cli.engine.general.sets.friction_piece import move_piece
@@ -19,6 +20,7 @@ from hknob_cli.engine.general.sets.friction_room import make_friction_room
 from hknob_cli.engine.general.sets.friction_search import FrictionSetEngine
 from hknob_cli.engine.general.sets.friction_step import Hold, Shape
 from hknob_cli.engine.general.sets.friction_turns import counts_after, farthest, may_stop, measure_stops
+from hknob_cli.engine.general.sets.law_search import LawSetEngine
 from hknob_cli.engine.general.sets.piece import BEFORE, COUNT, STATE
 from hknob_cli.engine.general.sets.turns import highest_at, level_at, lowest_at
 from hknob_cli.engine.general.slide_two import coefficients
@@ -29,6 +31,8 @@ from tests.engine.general.bodies import knob
 from tests.engine.sets.test_polygon import states_of
 
 from .cells import all_phases, centre
+from .test_law_search import BEHIND, RUBS, first_state
+from .test_law_search import cell as law_cell
 
 HALF = {"half_quantum": True}
 WIDTHS = (0.02, 0.3, 1.0, 2.6)
@@ -217,3 +221,24 @@ def test_ranges_behind_hysteresis_are_complete() -> None:
     found = FrictionSetEngine().search_box(one.body, one.wall, box, **limits)
     assert found.complete
     assert {each.outcome for each in found.attractors if each.trials > 0.0} <= {Outcome.CYCLE, Outcome.REST}
+
+
+@pytest.mark.parametrize(
+    "name", ["speed, timed, filtered", "bounded lag", "impulse, short", "speed and angle, tracked"]
+)
+def test_a_set_of_one_state_remembers_what_a_trial_does(name: str) -> None:
+    """To the last bit, under a law: its counts, also where it reads its encoder within an interval."""
+    made, law, length = law_cell(name, **RUBS, **BEHIND)
+    one, engine = made.knob, LawSetEngine(law)
+    cell = engine.ready(one.body, one.wall, length)
+    room = engine.room(one.body, length)
+    work = make_friction_room(engine._zeros, engine._filled, length, one.body, one.wall, law)
+    z, past = first_state(made, 0.3), [0.0] * length
+    begin_past(past, read(z[0], one.wall), law)
+    for _ in range(120):
+        level = read_after(z[0], past[law.line - 1], law.watch)
+        room.own[:], room.corners[:2] = [0.0] * len(room.own), [0.0, 0.0]
+        waiting = move_piece(room, work, 0, centre(list(z), list(past), error=1e-14, level=level), 1, cell)
+        advance_with_law(z, past, one.body, one.wall, law, [0.0] * 6)
+        found = [room.stack[k * len(room.own) + STATE :][: len(z) + length] for k in range(waiting)]
+        assert any(abs(piece[0] - z[0]) < 1e-9 and list(piece[len(z) :]) == list(past) for piece in found)

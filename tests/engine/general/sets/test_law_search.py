@@ -40,6 +40,7 @@ COIL = {"torque_constant": 0.0234, "resistance": 2.32, "winding": "shorted", "in
 RUBS = {"knob": {"inertia": 1.9e-6, "coulomb_torque": 2.0e-4}}
 LATE = {"actuator": {"delay_samples": 1.0}}
 LAGS = {"actuator": {"delay_samples": 1.0, "time_constant": 5e-5}}
+BEHIND: dict[str, Any] = {"encoder": {"hysteresis_counts": 0.4}}
 CASES: list[tuple[str, dict[str, Any]]] = [
     ("bounded lag", RUBS | LATE),
     ("bounded lag", {"actuator": {"delay_samples": 0.4, "torque_step": 2e-4}}),
@@ -55,6 +56,11 @@ CASES: list[tuple[str, dict[str, Any]]] = [
     ("half sample", {"actuator": {"time_constant": 2e-4}}),
     ("damping, differenced", RUBS | {"actuator": {"time_constant": 1e-3, "torque_limit": 4e-3}}),
     ("impulse, short", RUBS | {"actuator": {"time_constant": 1e-4}}),
+    ("bounded lag", RUBS | LATE | BEHIND),
+    ("half sample", RUBS | BEHIND),
+    ("half sample", BEHIND),
+    ("damping, differenced", RUBS | LAGS | BEHIND),
+    ("speed, timed, filtered", RUBS | BEHIND),
 ]
 # What estimates: differences over samples, times between counts, lines, a tracking filter, Kalman's, low-passes.
 ESTIMATES: list[tuple[str, dict[str, Any]]] = [
