@@ -105,6 +105,26 @@ def step_arc(room, before, cell):
     return 0.0, 0
 
 
+def shorten_arc(room, waiting, body):
+    """Halve the arc in ``room.own``, of which too little is told: ``(waiting, fate, row)``, as `end_of_arc`."""
+    if norm_at(room.columns, 0, body) * BLURRED < ball_of(room, body) + room.arc[ERROR]:
+        return waiting, AGAIN, -1
+    waiting = halve_arc(room, waiting)
+    return waiting, (PARTED if waiting >= 0 else LOST), NO_ROOM
+
+
+def take_apart(room, waiting, which, high, narrow, cell):
+    """Halve the arc in ``room.own``, or cut it where its reading ``which`` tells states apart: as `shorten_arc`."""
+    drift, body = cell.drift, cell.body
+    if which == TORN:
+        waiting = halve_arc(room, waiting)
+    elif not narrow and beside_of(room, body) > BLURRED * abs(room.columns[0]):
+        return waiting, AGAIN, -1
+    else:
+        waiting = part_arc(room, waiting, which, high, drift, body, watched(cell.known.law, cell.wall))
+    return waiting, (PARTED if waiting >= 0 else LOST), NO_ROOM
+
+
 def end_of_arc(room, waiting, scope, cell):
     """Follow the last arc that waits: ``(waiting, fate, row, samples)``; ``row`` is a fate where it is lost.
 
@@ -155,23 +175,16 @@ def end_of_arc(room, waiting, scope, cell):
                     shorter = wait != scope.patience and not narrow and body.reach * reach > MUCH * margin
                 since, wait = 0, wait + 2 * int(known.table[row * FIELDS + 1]) + 1
             if shorter:
-                if norm_at(room.columns, 0, body) * BLURRED < ball_of(room, body) + arc[ERROR]:
-                    return waiting, AGAIN, -1, taken
-                waiting = halve_arc(room, waiting)
-                return waiting, (PARTED if waiting >= 0 else LOST), NO_ROOM, taken
+                waiting, fate, row = shorten_arc(room, waiting, body)
+                return waiting, fate, row, taken
             high, which = step_arc(room, before, cell)
             if which == 0:
                 arc[BEFORE], arc[LEVEL], arc[TOLD] = remembered(level, wall), level, 0.0
                 arc[SAMPLE] += 1.0
                 since += 1
                 continue
-        if which == TORN:
-            waiting = halve_arc(room, waiting)
-            return waiting, (PARTED if waiting >= 0 else LOST), NO_ROOM, taken
-        if not narrow and beside_of(room, body) > BLURRED * abs(room.columns[0]):
-            return waiting, AGAIN, -1, taken
-        waiting = part_arc(room, waiting, which, high, drift, body, watch)
-        return waiting, (PARTED if waiting >= 0 else LOST), NO_ROOM, taken
+        waiting, fate, row = take_apart(room, waiting, which, high, narrow, cell)
+        return waiting, fate, row, taken
 
 
 def follow_friction_arcs(start, first, samples, stack, scope, room, cell):
