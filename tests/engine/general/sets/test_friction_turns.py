@@ -70,7 +70,7 @@ def outside(point: Any, corners: Any) -> float:
     return 0.0 if within else away
 
 
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=20)
 @example(width=0.3, rate=4641.0, counts=2048, friction=5.6e-4, actuator=ACTUATORS[0], seed=174, corners=7)
 @given(
     width=st.sampled_from(WIDTHS),
