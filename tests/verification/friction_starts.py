@@ -50,7 +50,8 @@ class FrictionStarts:
 
     def stop(self, which: NDArray[np.int64], theta: Array) -> None:
         """Let the trials ``which`` stop at angles: their counts are those of there."""
-        self.count[which] = self.shown(theta, self.count[which])
+        if self.half > 0.0:
+            self.count[which] = self.shown(theta, self.count[which])
 
     def command(self, theta: Array, before: Array) -> tuple[Array, Array]:
         """Torque, and the reading."""
