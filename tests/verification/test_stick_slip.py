@@ -182,7 +182,7 @@ def test_ten_thousand_scenes(part: int) -> None:
             raise AssertionError(f"scene {i}: {scene}, {how}: {error}") from None
         kept, left, energies = kept + counted[0], left + counted[1], energies + counted[2]
     assert kept > SCENES // PARTS
-    assert left > 5
+    assert left > 2
     assert energies > SCENES // PARTS
 
 
