@@ -35,7 +35,7 @@ SCOPE = Scope(budget=1000, skip=0, patience=64, limit=9.0, fine=True)
 
 
 def known_of() -> Any:
-    return SimpleNamespace(table=zeros(FIELDS * ROWS), why=zeros(16))
+    return SimpleNamespace(table=zeros(FIELDS * ROWS), why=zeros(16), turns=None)
 
 
 def shares(known: Any) -> list[float]:

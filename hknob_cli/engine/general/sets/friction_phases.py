@@ -108,7 +108,7 @@ def follow_interval(start, span, scope, room, work, cell):
     known, body, length = cell.known, cell.body, span[1] - span[0]
     row, other, proven, pieces, lost, taken = -1, -1, True, 0, 0.0, 0
     narrow = is_narrow(span[0], span[1], body)
-    shared = narrow and body.friction == 0.0
+    shared = narrow and body.friction == 0.0 and known.turns is None  # behind hysteresis parts overlap
     blamed = length if length <= UNPROVEN else 0.0
     waiting = put_chord(start, span, blamed, room, work, cell)
     if waiting < 0:
@@ -171,7 +171,7 @@ def follow_phases(start, first, samples, stack, scope, room, work, cell):
             continue
         ended += pieces
         shortest = min(shortest, high - low)
-        if narrow and body.friction == 0.0:
+        if narrow and body.friction == 0.0 and known.turns is None:
             undecided += lost
         elif not proven or row < 0:
             undecided += high - low

@@ -128,8 +128,8 @@ def plan_counts(turns, count, side, shape, free, error, hold, body, wall):
 
     ``side``: 1 or -1 where only what begins by moving up or down stops; ``free``: least and most torque, with what
     drives the knob; ``error``: of the set's states, in `body.norm`; ``unsure``: whether torques that are nearer to each
-    other would tell more. Where they differ by less than the friction level, no state stops twice, because one that
-    turns round is driven by more than that.
+    other would tell more. Where they differ by less than the friction level, no state that has turned round leaves
+    again once it stands: that would take twice the friction.
     """
     apart = free[1] - free[0]
     slack = slack_of(shape, free, error, body)
