@@ -23,7 +23,7 @@ def parts_there(scene: Scene, keys: Mapping[str, str]) -> frozenset[str]:
 
 
 def _is_given(scene: Scene, path: str) -> bool:
-    """Whether the key at a path has a value other than its default; without a path there is none."""
+    """Whether the key at a path has a value other than its default. False without a path."""
     if not path:
         return False
     above, _, key = path.rpartition(".")

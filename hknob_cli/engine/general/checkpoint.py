@@ -25,7 +25,7 @@ class Checkpoint(NamedTuple):
 class Attempts(NamedTuple):
     """When a proof is tried next: where a trial comes back to within ``tolerance``, not before sample ``wait``.
 
-    ``left_alone``: returns that were not followed further, for they seemed to be to an orbit known already.
+    ``left_alone``: returns that were not followed further, because they seemed to be to an orbit known already.
     """
 
     tolerance: float

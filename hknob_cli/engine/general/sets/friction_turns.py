@@ -73,8 +73,8 @@ def may_stop(sign, shape, pull_free, slack, hold, body):
 def measure_stops(sign, shape, free, slack, hold, body, places):
     """Enter where the states stop that slide in direction ``sign``: ``(whether one may, farthest, least far)``.
 
-    ``free``: least and most torque, with what drives the knob. The farther of two motions slides under the greater one;
-    whoever is held for a time, and then goes on, is between. ``places`` takes, of each corner, its farthest place, and
+    ``free``: least and most torque, with what drives the knob. The farthest motion slides under the greater one; one
+    that is held for a time, and then goes on, comes less far. ``places`` takes, of each corner, its farthest place, and
     that at the time when the middle of all is there: the first two of `swings.PLACES` in direction 1, the next two in
     direction -1. All are told in that direction.
     """
