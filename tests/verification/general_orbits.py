@@ -24,6 +24,8 @@ from .reference_friction import Friction
 
 NEAR = mp.mpf(10) ** -30  # step of the differences
 CLOSED = mp.mpf(10) ** -38  # residual, in counts, of a solved orbit
+# The same over corners of cogging, where a step is halved until its event is known to 2^-60 of it.
+NEAR_CORNERS, CLOSED_OVER_CORNERS = mp.mpf(10) ** -10, mp.mpf(10) ** -16
 # Of a quadrature over 2 time constants of the fastest motion, whose squares grow by 4: by its remainder, (n!)^4 4^2n /
 # ((2n + 1) (2n)!^3), 10 nodes are off by 6e-19 of the integrand.
 NODES = 10
@@ -92,14 +94,19 @@ class Run:
     line: list[Any]
     pieces: list[Piece] = field(default_factory=list)
     closest: float = float("inf")
+    corners: int = 0  # of cogging that were passed
 
 
 @dataclass
 class Solved:
-    """The orbit: its run over one period, and of the map there the residual [counts]."""
+    """The orbit: its run over one period, and of the map there the residual [counts], and whether it is small enough.
+
+    Over corners of cogging there are no pieces, so that nothing is measured.
+    """
 
     run: Run
     residual: float
+    closes: bool
     control: Control
     bodies: Bodies
     edge: Any  # the immediate wall acts below this angle
@@ -133,7 +140,7 @@ def run(
             motion.hold(older, part * control.period)
         motion.hold(u, (1 - part) * control.period)
     made.states.append(motion.z)
-    made.closest = motion.closest
+    made.closest, made.corners = motion.closest, motion.parted
     return made
 
 
@@ -166,7 +173,8 @@ def unknowns(knob: GeneralKnob, bodies: Bodies | None = None) -> list[int]:
 def solve(scene: dict[str, Any], rate_hz: float, counts: int | None, knob: GeneralKnob, one: Attractor) -> Solved:
     """The orbit near the package's."""
     bodies, control = build(scene, sample_rate_hz=rate_hz, counts_per_rev=counts)
-    if bodies.cogs:  # a proven cycle is on one slope
+    one_slope = bodies.cogs and (bodies.play or counts is None)  # a proven cycle is on one
+    if one_slope:
         bodies = bodies.on(bodies.slope(to_si(knob, control, [one.x, one.v, *one.state], bodies)[KNOB]))
     if bodies.play:  # and its teeth press on one flank
         bodies = bodies.teeth[1 if one.state[0] > 0.0 else -1]
@@ -184,6 +192,10 @@ def solve(scene: dict[str, Any], rate_hz: float, counts: int | None, knob: Gener
         found = run(bodies, control, z, line, first, one.period)
         before = found.readings[-1]
         line = [found.emitted[-1 - k % one.period] for k in reversed(range(len(line)))]
+        if bodies.cogs and not found.corners:
+            bodies = bodies.on(bodies.slope(z[KNOB]))
+    over = bodies.cogs is not None
+    near, closed = (NEAR_CORNERS, CLOSED_OVER_CORNERS) if over else (NEAR, CLOSED)
     free = unknowns(knob, bodies)
     extra = len(line) + 1 if analog else 0
 
@@ -208,23 +220,24 @@ def solve(scene: dict[str, Any], rate_hz: float, counts: int | None, knob: Gener
     values = pack(z, line, before)
     off = residual(values)
     for _ in range(6):
-        if max(map(abs, off)) < CLOSED:
+        if max(map(abs, off)) < closed:
             break
         slopes = mp.matrix(len(values), len(values))
         for j in range(len(values)):
-            nudged = [v + (NEAR if i == j else 0) for i, v in enumerate(values)]
+            nudged = [v + (near if i == j else 0) for i, v in enumerate(values)]
             for i, value in enumerate(residual(nudged)):
-                slopes[i, j] = (value - off[i]) / NEAR
+                slopes[i, j] = (value - off[i]) / near
         change = mp.lu_solve(slopes, mp.matrix([-value for value in off]))
         values = [v + change[i] for i, v in enumerate(values)]
         off = residual(values)
-    made = run(bodies, control, *unpack(values), one.period, record=True)
+    made = run(bodies, control, *unpack(values), one.period, record=not over)
     edge = mp.zero
     if not analog:
         nearest = mp.mpf(1) / 2 if control.rounding == "nearest" else 0
         ceil = control.rounding in ("ceil", "truncate")
         edge = (control.offset - nearest - (1 if ceil else 0)) * control.quantum
-    return Solved(made, float(max(map(abs, off))), control, bodies, edge)
+    residual = float(max(map(abs, off)))
+    return Solved(made, residual, residual < 10 * closed, control, bodies, edge)
 
 
 def with_command(bodies: Bodies, piece: Piece) -> tuple[Any, ...]:

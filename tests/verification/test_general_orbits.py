@@ -104,7 +104,7 @@ def check(found: Found) -> dict[str, float]:
     """Confirm one proof and every measure; the largest errors, relative except for the margin."""
     one, knob = found.orbit, found.knob
     solved = solve(found.scene, found.rate_hz, found.counts, knob, one)
-    assert solved.residual < 1e-37, f"does not close: {found}"
+    assert solved.closes, f"does not close: {found}"
     unit = solved.control.quantum or mp.mpf(knob.quantum_rad)
     exact = [z[0] / unit - mp.mpf(knob.shift) for z in solved.run.states]
     seen = positions(found)

@@ -6,11 +6,12 @@ round or is held, until the other torques exceed the friction level.
 
 from hknob_cli.engine.general.body import acceleration, rate_of
 from hknob_cli.engine.general.cogging import has_cogs
-from hknob_cli.engine.general.columns import spread_many, spread_two, turn_round
+from hknob_cli.engine.general.columns import LEVEL, SPEED, spread_many, spread_two, turn_round
 from hknob_cli.engine.general.flanks import play_columns, play_many
 from hknob_cli.engine.general.slide_many import slide_many, stretch
 from hknob_cli.engine.general.slide_two import coefficients, step_with_friction, until_zero, way
-from hknob_cli.engine.general.slopes import cog_columns, cog_many
+from hknob_cli.engine.general.slope_columns import cog_columns
+from hknob_cli.engine.general.slopes import cog_many
 
 FREE = 2  # mode of a motion whose turning points do not matter
 
@@ -95,9 +96,7 @@ def rub_columns(z, u, span, s, g, f, body, pad, cols, command, count, width, mar
     """Move ``z`` and ``count`` columns of derivatives over a hold from event to event.
 
     (s, g, f): coefficients of second order over ``span``; ``command``: where ``cols`` has the derivatives of ``u``.
-    The columns follow the motion through its events (Leine & Nijmeijer 2004, sec. 7). ``marks`` keeps the least
-    distance of a torque from the friction level where that decides [0], and of a velocity from zero at the end of a
-    hold [1]; `play_columns` has the room of teeth [2], and beside cogging it and `cog_columns` that of corners [3].
+    The columns follow the motion through its events (Leine & Nijmeijer 2004, sec. 7); ``marks`` as `columns` has them.
     """
     if body.play > 0.0:
         play_columns(z, u, span, body, pad, cols, command, count, width, marks)
@@ -113,14 +112,14 @@ def rub_columns(z, u, span, s, g, f, body, pad, cols, command, count, width, mar
         if slow * ahead >= 0.0:
             z[0], z[1] = x + (s * v + g * y), slow
             spread_two(cols, command, count, width, s, g, f, body)
-            marks[1] = min(marks[1], abs(slow))
+            marks[SPEED] = min(marks[SPEED], abs(slow))
             return
     left = span
     known = left > 0.0
     pull = acceleration(z, u, body)
     mode = way(z[1], pull, body.friction)
     if z[1] == 0.0:
-        marks[0] = min(marks[0], abs(abs(pull) - body.friction))
+        marks[LEVEL] = min(marks[LEVEL], abs(abs(pull) - body.friction))
     while left > 0.0:
         t, ended, s, g, f = slide(z, u, mode, left, s, g, f, known, body, pad)
         if body.order > 2:
@@ -134,11 +133,11 @@ def rub_columns(z, u, span, s, g, f, body, pad, cols, command, count, width, mar
         pull = acceleration(z, u, body)
         then = next_mode(mode, z, u, body)
         if mode != 0:
-            marks[0] = min(marks[0], abs(abs(pull) - body.friction))
+            marks[LEVEL] = min(marks[LEVEL], abs(abs(pull) - body.friction))
             rate = pull - mode * body.friction
             after = 0.0 if then == 0 else pull - then * body.friction
             if rate != 0.0:
                 turn_round(cols, count, width, (after - rate) / rate, body)
         mode = then
     if mode != 0:
-        marks[1] = min(marks[1], abs(z[1]))
+        marks[SPEED] = min(marks[SPEED], abs(z[1]))

@@ -1,7 +1,7 @@
 """Where a trial comes that has been there before: to a proven orbit, which captures it, or to where it was itself."""
 
 from hknob_cli.engine.follow import CYCLE_PROVEN
-from hknob_cli.engine.general.cogging import far_apart, gap_apart
+from hknob_cli.engine.general.cogging import far_around, gap_apart
 from hknob_cli.engine.general.controller import depth_level, inside
 from hknob_cli.engine.general.torque_curve import has_curve, place_at
 
@@ -38,7 +38,7 @@ def captured(trial, before, head, body, wall):
             same = same and ring[(head + j) % delay] == lines[row * delay + j]
         for j in range(n):
             away[j] = z[j] - states[row * n + j]
-        if same and far_apart(body.cogs, away, states[row * n], body) < margin:
+        if same and far_around(body.cogs, away, states[row * n], body) < margin:
             return row
     return -1
 

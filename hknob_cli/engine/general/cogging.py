@@ -160,6 +160,23 @@ def far_apart(cogs, dz, x, body):
     return energy_apart(cogs, dz, x, body) / sqrt(hold)
 
 
+def gap_apart(cogs, dz, body):
+    """As `body.distance`, of states that may lie on any slope: no bound, but small where they are close."""
+    if cogs is None or not len(cogs):
+        return distance(dz, body)
+    return (norm_at(dz, 0, body) + cogs[ROOT] * abs(dz[0])) / sqrt(own_stiffness(body) + cogs[SLOPE])
+
+
+def far_around(cogs, dz, x, body):
+    """As `far_apart`, for an orbit that `corners` proves where the springs of the slope at ``x`` do not hold.
+
+    The energy is then that with the spring of a stable slope. Where they do hold, it is at most as far as `far_apart`.
+    """
+    if cogs is None or not len(cogs) or hold_stiffness(cogs, x, body) > 0.0:
+        return far_apart(cogs, dz, x, body)
+    return gap_apart(cogs, dz, body)
+
+
 def reach_on(cogs, x, body):
     """Position of a unit root of energy on the slope at ``x``, counts; of a stable slope where this does not hold."""
     if cogs is None or not len(cogs):
@@ -168,13 +185,6 @@ def reach_on(cogs, x, body):
     if not hold > 0.0:
         hold = hold_stiffness(cogs, middle_of(0.0, cogs), body)
     return 1.0 / sqrt(hold)
-
-
-def gap_apart(cogs, dz, body):
-    """As `body.distance`, of states that may lie on any slope: no bound, but small where they are close."""
-    if cogs is None or not len(cogs):
-        return distance(dz, body)
-    return (norm_at(dz, 0, body) + cogs[ROOT] * abs(dz[0])) / sqrt(own_stiffness(body) + cogs[SLOPE])
 
 
 def least_share(cogs, slope, h):

@@ -1,11 +1,34 @@
 """Columns of derivatives: how the state, the delay line and the last reading depend on where a motion began.
 
 A column has ``width`` entries: state, delay line, last reading. After ``width`` columns, ``cols`` holds the derivatives
-of the older command of an interval in each column, and then those of the newer.
+of the older command of an interval in each column, and then those of the newer. Beside the columns there are marks of
+what the motion of a period comes near to.
 """
 
 from hknob_cli.engine.general.body import ENTRY, HALVES, HALVES_HELD, HELD, RATES
 from hknob_cli.engine.general.controller import slopes
+
+# Marks of a period. The least: distance of a torque from the friction level where that decides, velocity at the end of
+# a hold, torque of teeth that press, room to a corner of cogging (below 0 where one is passed).
+LEVEL, SPEED, PRESSED, CORNER_ROOM = range(4)
+# Beside cogging: the least room to a corner where the motion stands or turns round; of corners that are passed the sum
+# of 1 / speed, and the least speed; a bound on accelerations all along; the time on slopes that do not hold.
+TURN_ROOM, SLOWNESS, SLOWEST, FASTEST, LOOSE = range(4, 9)
+# What the derivative makes at most of a size of 1: at a sample, of one at the start, and at the end, of one at any time
+# between two of its parts (`corners`).
+SWOLLEN, CARRIED = 9, 10
+# And with friction, of turns: the sum of 1 / deceleration, the least of it, and of it times what is left of a hold in
+# which friction holds the knob from there on.
+TURNING, LEAST_TURN, STUCK_FOR = range(11, 14)
+MARKS = 14
+
+
+def begin_marks(marks):
+    """Set the marks to what they are before a period."""
+    for i in range(MARKS):
+        marks[i] = float("inf")
+    for sum_or_most in (SLOWNESS, FASTEST, LOOSE, SWOLLEN, CARRIED, TURNING):
+        marks[sum_or_most] = 0.0
 
 
 def feed(shown, before, delay, head, wall, cols, count, width):

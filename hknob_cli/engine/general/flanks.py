@@ -17,7 +17,7 @@ from hknob_cli.engine.general.cogging import (
     is_stable,
     slope_of,
 )
-from hknob_cli.engine.general.columns import spread_by, spread_many, turn_round
+from hknob_cli.engine.general.columns import CORNER_ROOM, LEVEL, PRESSED, SPEED, spread_by, spread_many, turn_round
 from hknob_cli.engine.general.flank_rest import flank_room_on
 from hknob_cli.engine.general.teeth import (
     APART,
@@ -142,8 +142,7 @@ def spread_teeth(cols, command, count, width, span, side, toward, body, pad, slo
 def play_columns(z, u, span, body, pad, cols, command, count, width, marks):
     """As `advance.rub_columns`, from flank to flank, with its ``marks``.
 
-    ``marks[2]`` keeps the least torque of the mesh; below 0 where teeth have parted. ``marks[3]``, beside cogging:
-    below 0 where a corner is passed, else the least distance to one.
+    The least torque of the mesh is below 0 where teeth have parted.
     """
     left = span
     side, slope = flank(z, body), slope_of(body.cogs, z[0])
@@ -152,26 +151,26 @@ def play_columns(z, u, span, body, pad, cols, command, count, width, marks):
     if has_cogs(body.cogs):
         moved = still_in_teeth(z, u, side, slope, span, body, pad)
         still = moved <= STILL * (1.0 + abs(z[0]))
-        marks[3] = min(marks[3], cog_room(body.cogs, z[0], slope) - (moved if still else 0.0))
+        marks[CORNER_ROOM] = min(marks[CORNER_ROOM], cog_room(body.cogs, z[0], slope) - (moved if still else 0.0))
         if not rubs and not still:
             toward = direction(z, u, side, body, slope)
     fresh = toward != 0 and z[1] == 0.0
     if rubs and z[1] == 0.0:
-        marks[0] = min(marks[0], abs(abs(teeth_pull(z, 0, u, side, body, slope)) - body.friction))
+        marks[LEVEL] = min(marks[LEVEL], abs(abs(teeth_pull(z, 0, u, side, body, slope)) - body.friction))
     while left > 0.0:
         t, ended, least = press(z, u, side, toward, left, fresh, body, pad, slope)
         spread_teeth(cols, command, count, width, t, side, toward, body, pad, slope)
-        marks[2] = min(marks[2], least if side != 0 else -1.0)
+        marks[PRESSED] = min(marks[PRESSED], least if side != 0 else -1.0)
         left -= t
         # On its way the motor is nearest to a corner where it turns round, or where the way ends.
-        marks[3] = min(marks[3], cog_room(body.cogs, z[0], slope))
+        marks[CORNER_ROOM] = min(marks[CORNER_ROOM], cog_room(body.cogs, z[0], slope))
         if ended == 0:
             break
         before, ago = toward, side
         side, toward, slope = pass_any_end(z, u, side, toward, slope, ended, body)
         fresh = True
         if ended in (RISEN, FALLEN):
-            marks[3] = -1.0
+            marks[CORNER_ROOM] = -1.0
             continue
         if not rubs:
             if side not in (0, ago):
@@ -179,7 +178,7 @@ def play_columns(z, u, span, body, pad, cols, command, count, width, marks):
             continue
         pull = teeth_pull(z, 0, u, side, body, slope)
         if z[1] == 0.0 and (before != 0 or side != ago):
-            marks[0] = min(marks[0], abs(abs(pull) - body.friction))
+            marks[LEVEL] = min(marks[LEVEL], abs(abs(pull) - body.friction))
         if side != ago:
             if side != 0:
                 meet_with_friction(z, u, side, before, toward, cols, count, width, body, slope)
@@ -189,7 +188,7 @@ def play_columns(z, u, span, body, pad, cols, command, count, width, marks):
             if rate != 0.0:
                 turn_round(cols, count, width, (after - rate) / rate, body)
     if rubs and toward != 0:
-        marks[1] = min(marks[1], abs(z[1]))
+        marks[SPEED] = min(marks[SPEED], abs(z[1]))
 
 
 def kind_of(side, toward, body, slope=0.0):

@@ -13,8 +13,10 @@ such margins, too; where it bends, `bent` bounds what that adds.
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.general.bent import holds_though_bent
 from hknob_cli.engine.general.body import copy_to, norm, stiffness, turn_finger
-from hknob_cli.engine.general.cogging import ROOT, cog_number, far_apart, has_cogs
+from hknob_cli.engine.general.cogging import ROOT, cog_number, far_apart, far_around, has_cogs
+from hknob_cli.engine.general.columns import CORNER_ROOM, LEVEL, PRESSED, SPEED
 from hknob_cli.engine.general.controller import bends
+from hknob_cli.engine.general.corners import NEAREST, goes_over, room_over_corners
 from hknob_cli.engine.general.flank_rest import flank_room_on
 from hknob_cli.engine.general.period_map import find_orbit, within
 from hknob_cli.engine.general.powers import bound_growth, dissipates, growth_bound
@@ -58,7 +60,7 @@ def meets_event(spread, wrong, period, body, space):
     speed = spread + root * space.away[0] + wrong * period
     late = space.away[body.order - 1] if body.lag > 0.0 else 0.0
     most = 2.0 * ((stiffness(body) + root) * speed + late + wrong)
-    return not (space.marks[0] > most and space.marks[1] > speed)
+    return not (space.marks[LEVEL] > most and space.marks[SPEED] > speed)
 
 
 def margin_of_parts(margin, bound, holds, body, space):
@@ -68,14 +70,14 @@ def margin_of_parts(margin, bound, holds, body, space):
     """
     parts = False
     if body.play > 0.0:
-        room = flank_room_on(body.cogs, space.marks[2], space.orbit[0], body)
+        room = flank_room_on(body.cogs, space.marks[PRESSED], space.orbit[0], body)
         parts = not room > bound
         if not parts:
             margin = min(margin, room)
     if has_cogs(body.cogs):
-        parts = parts or not (space.marks[3] > bound and holds)
+        parts = parts or not (space.marks[CORNER_ROOM] > bound and holds)
         if not parts:
-            margin = min(margin, space.marks[3])
+            margin = min(margin, space.marks[CORNER_ROOM])
     return parts, margin
 
 
@@ -134,7 +136,8 @@ def certify(z, before, ring, head, period, body, wall, space):
         return NEUTRAL, margin, edge, closure, 0.0
     # Every interval adds some roundings; those of one have decayed, or add up at most, over a period.
     rounding = 8.0 * EPSILON * period
-    far, spread = bound_error(rounding * (reach + pace), rounding * (2.0 * pace), body, space, m)
+    fast, slow = rounding * (reach + pace), rounding * (2.0 * pace)
+    far, spread = bound_error(fast, slow, body, space, m)
     bound = space.away[0]
     if stands and pace <= STILL * bound:
         return DIFFERENT, 0.0, 0.0, 0.0, 0.0
@@ -145,17 +148,25 @@ def certify(z, before, ring, head, period, body, wall, space):
     parts, margin = margin_of_parts(margin, bound, far < float("inf"), body, space)
     if not margin > bound:
         return ON_EDGE, margin, edge, closure, bound
-    if not dissipates(space.cols, width, space.power, space.spare, m, scale_of(reach, pace), period):
+    scale = scale_of(reach, pace)
+    if not dissipates(space.cols, width, space.power, space.spare, m, scale, period):
         # With a continuous sensor, or teeth that part, motions part: the trial passed by an orbit that it will leave
         # again.
         return (EXPANDS if wall.analog == 0.0 and not parts else DIFFERENT), margin, edge, closure, bound
     if parts:
-        return PARTS, margin, edge, closure, bound
+        if not goes_over(body) or wall.analog > 0.0:
+            return PARTS, margin, edge, closure, bound
+        room, bound, _ = room_over_corners(fast, slow, margin, 0.0, period, body, space, scale)
+        if not room > 0.0:
+            return PARTS, margin, edge, closure, bound
+        margin = room + bound
     for i in range(n):
         space.residual[i] = z[i] - space.orbit[i]
     if wall.analog == 0.0:
-        if not far_apart(body.cogs, space.residual, space.orbit[0], body) + bound < margin:
-            return NOT_CAPTURED, margin, edge, closure, bound
+        away = far_around(body.cogs, space.residual, space.orbit[0], body)
+        if not away + bound < margin:
+            near = parts and away <= NEAREST * (reach + pace)
+            return (PARTS if near else NOT_CAPTURED), margin, edge, closure, bound
         return PROVEN, margin, edge, closure, bound
     if body.friction > 0.0:
         return EXPANDS, margin, edge, closure, bound

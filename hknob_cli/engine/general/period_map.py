@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import turn_finger
 from hknob_cli.engine.general.cogging import SIZE, cog_number, far_apart, has_cogs, reach_on
+from hknob_cli.engine.general.columns import CORNER_ROOM, PRESSED, begin_marks
 from hknob_cli.engine.general.controller import (
     bends,
     command,
@@ -19,6 +20,7 @@ from hknob_cli.engine.general.controller import (
     read_after,
     table_size,
 )
+from hknob_cli.engine.general.corners import end_sample, join_parts
 from hknob_cli.engine.general.flank_rest import flank_room_on
 from hknob_cli.engine.general.hysteresis import hold_and_count
 from hknob_cli.engine.general.interval import advance_columns
@@ -33,7 +35,8 @@ class Space(NamedTuple):
     width: int
     pad: Any  # (2 * order), rates and new states
     cols: Any  # (width * (width + 2)), columns of derivatives, and those of the commands
-    marks: Any  # (4)
+    marks: Any  # (`columns.MARKS`)
+    chain: Any  # ((`corners.MOST_PARTS` + 2) * order * order), derivatives of parts of a period
     matrix: Any  # (2 * width * width)
     power: Any  # (width * width)
     total: Any  # (width * width)
@@ -80,12 +83,11 @@ def turn(before, ring, head, period, body, wall, space, m):
     """
     n, width = body.order, space.width
     begin_period(ring, body, space, m)
-    for i in range(4):
-        space.marks[i] = float("inf")
+    begin_marks(space.marks)
     margin, edge = float("inf"), float("inf")
     reach, pace = cog_number(body.cogs, SIZE), 0.0
     first = head
-    for _ in range(period):
+    for k in range(period):
         x = space.state[0]
         shown = read_after(x, before, wall)
         margin = min(margin, edge_gap(x, shown, before, wall))
@@ -102,9 +104,13 @@ def turn(before, ring, head, period, body, wall, space, m):
         before, head = advance_columns(
             space.state, before, space.line, head, body, wall, space.pad, space.cols, m, width, space.marks
         )
+        if has_cogs(body.cogs) and m == n:
+            end_sample(k, period, body, space, m)
         pace = max(pace, abs(space.state[0] - x))
         if wall.hysteresis > 0.0:
             before = counted
+    if has_cogs(body.cogs) and m == n:
+        join_parts(period, body, space, m)
     if m > n:
         turn_lines(space.line, space.cols, space.away, m, len(ring), first, head)
     return margin, edge, reach, pace, before, head
@@ -137,8 +143,8 @@ def far_between_samples(body, space, m):
 
 def room_left(body, space):
     """How far apart motions may be until teeth part, or a corner of cogging is passed, anywhere in the period."""
-    room = flank_room_on(body.cogs, space.marks[2], space.orbit[0], body) if body.play > 0.0 else float("inf")
-    return min(room, space.marks[3]) if has_cogs(body.cogs) else room
+    room = flank_room_on(body.cogs, space.marks[PRESSED], space.orbit[0], body) if body.play > 0.0 else float("inf")
+    return min(room, space.marks[CORNER_ROOM]) if has_cogs(body.cogs) else room
 
 
 def within(before, ring, head, period, body, wall, space, m):

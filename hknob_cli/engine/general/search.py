@@ -27,7 +27,9 @@ from hknob_cli.engine.budget import TrialBudget
 from hknob_cli.engine.general import ensemble, parting, trace
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.captured import FIELDS
+from hknob_cli.engine.general.columns import MARKS
 from hknob_cli.engine.general.controller import Controller
+from hknob_cli.engine.general.corners import MOST_PARTS
 from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, CYCLE_PARTS
 from hknob_cli.engine.general.jitter import TRIAL
 from hknob_cli.engine.general.laws.law import CYCLE_AT_SWITCH, CYCLE_NOT_AFFINE, REST_NOT_PROVEN
@@ -74,7 +76,8 @@ def make_space(order: int, delay: int, zeros: Callable[[int], Any]) -> Space:
         width=width,
         pad=zeros(2 * order),
         cols=zeros(width * (width + 2)),
-        marks=zeros(4),
+        marks=zeros(MARKS),
+        chain=zeros((MOST_PARTS + 2) * order * order),
         matrix=zeros(2 * width * width),
         power=zeros(width * width),
         total=zeros(width * width),

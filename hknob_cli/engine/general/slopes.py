@@ -1,21 +1,18 @@
-"""Motion from slope to slope of cogging: mode after mode, with its derivative, and written down.
+"""Motion from slope to slope of cogging: mode after mode, and written down.
 
-As in `slide_many` a step is halved until it can be shown what becomes of the mode in it. The torque has no jump at a
-corner, so that a difference of two motions goes through it as it is.
+As in `slide_many` a step is halved until it can be shown what becomes of the mode in it.
 """
 
 from hknob_cli.engine.general.body import (
     ENTRY,
     HALVES_HELD,
     HALVINGS,
-    HELD,
     acceleration,
     norm_at,
     rate_of,
     stiffness,
 )
 from hknob_cli.engine.general.cogging import (
-    COGGED,
     COGGED_HALVES,
     FALLEN,
     FREE,
@@ -33,7 +30,6 @@ from hknob_cli.engine.general.cogging import (
     room_on,
     slope_at,
 )
-from hknob_cli.engine.general.columns import spread_by, turn_round
 from hknob_cli.engine.general.flanks import STILL
 from hknob_cli.engine.general.slide_many import (
     FINEST,
@@ -208,56 +204,6 @@ def cog_many(cogs, z, u, span, body, pad):
             break
         slope, mode = pass_on(z, u, slope, mode, end, body)
         fresh = True
-
-
-def spread_cogs(cols, command, count, width, span, slope, mode, body, pad):
-    """Move the columns over ``span`` on one slope, in one mode."""
-    if mode == 0:
-        spread_by(cols, command, count, width, span, HELD, HALVES_HELD, False, body, pad)
-    else:
-        kind = 0 if is_stable(slope) else 1
-        halves = COGGED_HALVES + kind * HALVINGS
-        spread_by(cols, command, count, width, span, COGGED + kind, halves, True, body, pad)
-
-
-def cog_columns(cogs, z, u, span, body, pad, cols, command, count, width, marks):
-    """As `advance.rub_columns`, from corner to corner, with its ``marks``.
-
-    ``marks[3]`` keeps the least distance to a corner; below 0 where one is passed.
-    """
-    if cogs is None or not len(cogs):
-        return
-    left = span
-    slope = slope_at(z[0], cogs)
-    rubs = body.friction > 0.0
-    still, moved = settled(cogs, z, u, slope, span, body, pad)
-    mode = way_from(z, u, slope, body)
-    if still or (mode == 0 and not rubs):
-        mode = FREE  # it balances, to a rounding, and nothing holds it
-    fresh = mode != 0 and z[1] == 0.0
-    if rubs and z[1] == 0.0:
-        marks[0] = min(marks[0], abs(abs(cog_acceleration(z, u, slope, body)) - body.friction))
-    marks[3] = min(marks[3], room_on(z[0], slope, cogs) - (moved if still else 0.0))
-    while left > 0.0:
-        t, end = roll(z, u, slope, mode, left, fresh, body, pad)
-        spread_cogs(cols, command, count, width, t, slope, mode, body, pad)
-        left -= t
-        # On its way a knob is nearest to a corner where it turns round, or where the way ends.
-        marks[3] = min(marks[3], -1.0 if end > TURNED else room_on(z[0], slope, cogs))
-        if end == 0:
-            break
-        before = mode
-        slope, mode = pass_on(z, u, slope, mode, end, body)
-        fresh = True
-        if rubs and end == TURNED and before != 0:
-            pull = cog_acceleration(z, u, slope, body)
-            marks[0] = min(marks[0], abs(abs(pull) - body.friction))
-            rate = pull - before * body.friction
-            after = 0.0 if mode == 0 else pull - mode * body.friction
-            if rate != 0.0:
-                turn_round(cols, count, width, (after - rate) / rate, body)
-    if rubs and mode != 0:
-        marks[1] = min(marks[1], abs(z[1]))
 
 
 def cog_chart(cogs, z, u, span, body, pad, rows, pieces):

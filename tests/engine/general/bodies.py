@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from hknob_cli.engine.general.columns import MARKS, begin_marks
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
 from hknob_cli.specs.scene import SceneSpec
 
@@ -17,3 +18,10 @@ def knob(rate_hz: float = 1000.0, counts: int | None = 1024, **parts: Any) -> Ge
     }
     plain = SceneSpec.model_validate(scene).plain()
     return sample_general(plain, sample_rate_hz=rate_hz, counts_per_rev=counts)
+
+
+def fresh_marks() -> list[float]:
+    """Marks of a period that has not begun."""
+    marks = [0.0] * MARKS
+    begin_marks(marks)
+    return marks

@@ -24,10 +24,10 @@ from hknob_cli.engine.general.cogging import (
     UNSTABLE,
     slope_at,
 )
+from hknob_cli.engine.general.slope_columns import cog_columns
 from hknob_cli.engine.general.slopes import (
     cog_acceleration,
     cog_chart,
-    cog_columns,
     cog_many,
     cog_rate,
     pass_on,
@@ -35,6 +35,7 @@ from hknob_cli.engine.general.slopes import (
     way_from,
 )
 
+from .bodies import fresh_marks
 from .cogs import SCENES, Cogged, begun, body_of, by_hand
 
 CLOSE = 1e-9  # of the size of the state: far above roundings, far below any event that is missed
@@ -167,7 +168,7 @@ def test_columns_are_the_derivative_and_marks_what_decides(name: str) -> None:
                 cols[c * width + i] = float(i == c)
         command = width * width
         cols[command + n] = 1.0  # the last column is that of the command itself
-        marks = [inf] * 4
+        marks = fresh_marks()
         z = list(case.z)
         cog_columns(body.cogs, z, case.u, case.span, body, case.pad, cols, command, n + 1, width, marks)
         assert case.near(z, case.end)
@@ -456,7 +457,7 @@ def test_a_knob_that_has_settled_is_moved_at_once(off: float, monkeypatch: pytes
         return real(*given)
 
     monkeypatch.setattr(slopes, "roll", roll)
-    z, pad, marks = [x, 0.0], [0.0] * 4, [inf] * 4
+    z, pad, marks = [x, 0.0], [0.0] * 4, fresh_marks()
     cols = [1.0, 0.0, 0.0, 1.0, 0.0, 0.0]  # of angle, speed, and the command
     cog_columns(cogs, z, u, 1.0, body, pad, cols, 2, 3, 2, marks)
     assert asked == 1
@@ -479,6 +480,6 @@ def test_what_a_settled_knob_may_move_is_no_room(monkeypatch: pytest.MonkeyPatch
 def test_a_knob_that_balances_where_no_springs_hold_it_stays(monkeypatch: pytest.MonkeyPatch) -> None:
     """On the top of cogging that is stiffer than the hand: no bound says that it stays, and no torque moves it."""
     cogs = [2.0, *COGS[1:]]
-    script, marks = Script(monkeypatch, [(1.0, 0, 8.0, 0.0)]), [inf] * 4
+    script, marks = Script(monkeypatch, [(1.0, 0, 8.0, 0.0)]), fresh_marks()
     cog_columns(cogs, [8.0, 0.0], 8.0, 1.0, PLAIN._replace(cogs=cogs), [0.0] * 4, [], 0, 0, 0, marks)
     assert script.asked == [(1.0, FREE, 1.0, True)]

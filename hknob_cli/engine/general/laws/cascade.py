@@ -2,7 +2,7 @@
 
 from math import inf, sqrt
 
-from hknob_cli.engine.general.cogging import far_apart, has_cogs, reach_on
+from hknob_cli.engine.general.cogging import far_around, has_cogs, reach_on
 from hknob_cli.engine.general.laws.law import PAIR_ACROSS, PAIR_NORM
 
 
@@ -103,4 +103,4 @@ def apart(dz, x, past, other, body, law):
 
     ``x``: where the motion is that they are compared with.
     """
-    return far_apart(body.cogs, dz, x, body) + pushed_apart(torques_apart(past, other, law), x, body)
+    return far_around(body.cogs, dz, x, body) + pushed_apart(torques_apart(past, other, law), x, body)

@@ -9,8 +9,10 @@ from math import sqrt
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.general.body import copy_to
-from hknob_cli.engine.general.cogging import SIZE, cog_number, hold_stiffness, reach_on
+from hknob_cli.engine.general.cogging import SIZE, cog_number, has_cogs, hold_stiffness, reach_on
+from hknob_cli.engine.general.columns import begin_marks
 from hknob_cli.engine.general.controller import count_gap, edge_gap, read_after, table_size
+from hknob_cli.engine.general.corners import NEAREST, end_sample, goes_over, join_parts, room_over_corners
 from hknob_cli.engine.general.laws.cascade import (
     apart,
     faded,
@@ -51,13 +53,12 @@ def turn_with_law(past, period, body, wall, law, space, m):
         space.cols[width * width + c] = 0.0  # torques do not depend on where the plant is, between edges
     for i in range(n):
         space.state[i] = space.orbit[i]
-    for i in range(4):
-        space.marks[i] = float("inf")
+    begin_marks(space.marks)
     margin, edge, guard = float("inf"), float("inf"), FREE
     reach, pace, strength = cog_number(body.cogs, SIZE), 0.0, 0.0
     anchored = law.anchor < 0
     newest = law.line + (law.ages - 1) * law.parts
-    for _ in range(period):
+    for k in range(period):
         x = space.state[0]
         before = past[law.line - 1]
         shown = read_after(x, before, wall)
@@ -84,7 +85,11 @@ def turn_with_law(past, period, body, wall, law, space, m):
                 before = past[law.line - 1]
                 past[look] = read_after(space.state[0], before, wall)
                 margin = min(margin, edge_gap(space.state[0], past[look], before, law.watch))
+        if has_cogs(body.cogs):
+            end_sample(k, period, body, space, m)
         pace = max(pace, abs(space.state[0] - x))
+    if has_cogs(body.cogs):
+        join_parts(period, body, space, m)
     return margin, edge, reach, pace, guard, strength, anchored
 
 
@@ -239,7 +244,8 @@ def certify_with_law(z, past, period, body, wall, law, space):
     reached = reach_on(body.cogs, space.orbit[0], body)
     shift = drift * max(1.0, min(float(period), reached))
     rounding = 8.0 * EPSILON * period * law.pieces
-    far, spread = bound_error(rounding * (reach + pace) + shift, rounding * 2.0 * pace + drift, body, space, n)
+    fast, slow = rounding * (reach + pace) + shift, rounding * 2.0 * pace + drift
+    far, spread = bound_error(fast, slow, body, space, n)
     holds = hold_stiffness(body.cogs, space.orbit[0], body) > 0.0
     bound = space.away[0]
     if holds:  # at every sample; no end where nothing holds it
@@ -256,6 +262,11 @@ def certify_with_law(z, past, period, body, wall, law, space):
     if not settled or not dissipates(space.cols, space.width, space.power, space.spare, n, scale, period):
         return (DIFFERENT if parts and settled else EXPANDS), margin, edge, closure, bound
     if parts:
-        return PARTS, margin, edge, closure, bound
+        if not goes_over(body):
+            return PARTS, margin, edge, closure, bound
+        room, bound, grown = room_over_corners(fast, slow, margin, 1.0, period, body, space, scale)
+        if not room > NEAREST * (reach + pace):
+            return PARTS, margin, edge, closure, bound
+        margin = room / grown + bound  # torques under way may push a motion, too
     captured = is_captured(z, past, margin, bound, body, law, space)
     return (PROVEN if captured else NOT_CAPTURED), margin, edge, closure, bound

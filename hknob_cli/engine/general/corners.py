@@ -1,0 +1,284 @@
+"""Proof of a limit cycle that passes corners of cogging, or stays on a slope that does not hold the knob.
+
+Let d be the difference of a motion from the orbit, and N(d), its size, the root of its energy with the spring of a
+stable slope. On a stable slope N never grows. On any other, and where the two motions are on two, it grows at a rate of
+at most sqrt((b/2)^2 + p^2) - b/2, of the knob's damping b and p = slope / sqrt(springs of the hand + slope).
+
+Up to any time of a period d becomes M d, with M the derivative along the orbit, and what is added while a corner lies
+between the two. There the slopes of their torques differ by at most twice the slope of cogging. As long as positions
+are within ``far`` of the orbit's, that is while the orbit is within ``far`` of a corner. It passes one at a speed v.
+With accelerations of at most a the speed stays above v / 2 over a way of 3 v^2 / (8 a) on either side, so that this
+takes 8/3 far / v; and elsewhere the orbit comes no nearer to a corner than where it turns round. So if sizes are at
+most q in a period, what is added is at most ``bend`` q^2, and to the difference of two such motions at most ``bend`` q
+times the most of that difference. Where ``bend`` q <= 1/2, that most is twice what the derivative makes of it.
+
+What is added goes on to the end of the period, where it is at most ``carried`` times as large. The derivative is kept
+for 64 parts of a period. Their products say what it makes of a size up to any part, and from any part to the end;
+within a part a size grows at the rate above. So the growth of a whole period at that rate, which may be immense, does
+not matter.
+
+Let ``swell`` bound what the sum of the absolute powers of the derivative of a period makes of a size of 1, ``most``
+what a period at any time makes of it, and ``missed`` the residual of the orbit. With q = most X, and
+swell (N + missed + bend q^2) <= X at the start, no difference at a later start is larger than X (induction over
+periods). Where swell bend most^2 X <= 1/2, any two of these motions come together, because the difference that is left
+in the end is at most half of itself. Both hold for X = 2 swell (N + missed), as long as that is at most
+1 / (2 swell bend most^2). So there is one periodic motion, and all of them come to it.
+
+Friction takes energy out of any difference. Where it turns a motion round, at a deceleration r, a difference of speeds
+shrinks by the ratio of the accelerations after and before. Motions whose speeds differ by at most q from the orbit's
+turn within 4 q / r of it. By then forces differ from the orbit's by what springs, damping and lag make of q, and by
+what a force changes in that time. So that ratio is known to a part of that over r, and what else a motion does in that
+time is known to that time: both add to ``bend``. A motion is held, or let go, at the samples at which the orbit is, by
+more than those differences.
+"""
+
+from math import exp, inf, sqrt
+
+from hknob_cli.engine.general.body import coil_at, norm, stiffness, turn_finger
+from hknob_cli.engine.general.cogging import LENGTH, ROOT, SLOPE, has_cogs, own_stiffness
+from hknob_cli.engine.general.columns import (
+    CARRIED,
+    FASTEST,
+    LEAST_TURN,
+    LEVEL,
+    LOOSE,
+    SLOWEST,
+    SLOWNESS,
+    SPEED,
+    STUCK_FOR,
+    SWOLLEN,
+    TURN_ROOM,
+    TURNING,
+)
+from hknob_cli.engine.general.powers import GONE, growth_bound, unit
+
+WINDOW = 0.375  # of v^2 / a: the way beside a corner on which the speed is at least half of that at it
+PASSING = 8.0 / 3.0  # times far / v: the time within ``far`` of a corner
+BESIDE = 0.1  # of an exponent: growth while a corner lies between two motions
+MOST_GROWTH = 100.0  # exponent of a growth beyond which a room would be less than any rounding
+MOST_PARTS = 64  # of a period, whose derivatives are kept
+NEAREST = 1e-13  # of an orbit's size: a trial so near to it is as near as it may come
+WITHIN = 0.9  # of what there is room for
+TAIL = 1.01  # of the sum of 1, `GONE`, its square, ...
+
+
+def goes_over(body):
+    """Whether a body is of the kind whose cycles over corners are proven.
+
+    Teeth with play take energy out of a difference only on one flank; with friction it must be of angle and speed, with
+    or without a lag.
+    """
+    if not has_cogs(body.cogs) or body.play > 0.0:
+        return False
+    return body.friction == 0.0 or (body.ratio == 0.0 and body.coil == 0.0)
+
+
+def unit_reach(body):
+    """Position of a size of 1, with the spring of a stable slope."""
+    return 1.0 / sqrt(own_stiffness(body) + body.cogs[SLOPE])
+
+
+def growth_rate(body):
+    """At what rate a size grows at most where no stable slope holds both motions."""
+    push = body.cogs[SLOPE] * unit_reach(body)
+    return sqrt(0.25 * body.alpha * body.alpha + push * push) - 0.5 * body.alpha
+
+
+def size_of(dz, body):
+    """A bound on N, as the module has it, of a difference whose numbers are at most ``dz``, at least 0."""
+    turn_finger(dz, body)
+    size = norm(dz, body) + body.cogs[ROOT] * dz[0]
+    turn_finger(dz, body)
+    return size
+
+
+def largest_entries(body, out):
+    """Leave in ``out`` how large each number of a difference can be whose size is 1."""
+    out[0], out[1] = unit_reach(body), 1.0
+    if body.ratio > 0.0:
+        way = inf
+        if body.pad_stiffness > 0.0:
+            way = 1.0 / sqrt(body.pad_stiffness)
+        if body.finger_stiffness > 0.0:
+            way = min(way, out[0] + sqrt(body.ratio / body.finger_stiffness))
+        out[2], out[3] = way, 1.0 + sqrt(body.ratio)
+    if body.coil > 0.0:
+        out[coil_at(body)] = 1.0 / sqrt(body.coil)
+    if body.lag > 0.0:
+        out[body.order - 1] = body.lag
+
+
+def samples_of_part(period):
+    """Samples of each of the parts of a period, of which there are at most `MOST_PARTS`; the last may have fewer."""
+    return (period + MOST_PARTS - 1) // MOST_PARTS
+
+
+def multiply(left, at, width, right, start, out, to, m):
+    """Put the product of two matrices (m, m) into ``out`` at ``to``; they are by columns, and begin at places.
+
+    ``width``: from one column of ``left`` to the next; of the others m.
+    """
+    for c in range(m):
+        for i in range(m):
+            entry = 0.0
+            for j in range(m):
+                entry += left[at + j * width + i] * right[start + c * m + j]
+            out[to + c * m + i] = entry
+
+
+def size_by(map_, at, body, space, m):
+    """What a matrix makes at most of a size of 1; overwrites ``away`` and ``spare``."""
+    largest_entries(body, space.spare)
+    for i in range(m):
+        space.away[i] = 0.0
+        for c in range(m):
+            space.away[i] += abs(map_[at + c * m + i]) * space.spare[c]
+    return size_of(space.away, body)
+
+
+def begin_part(space, m):
+    """Set the columns to those of a motion that begins here."""
+    for c in range(m):
+        for i in range(space.width):
+            space.cols[c * space.width + i] = 1.0 if i == c else 0.0
+
+
+def end_sample(k, period, body, space, m):
+    """Mark what the derivative has become by the end of a period's sample ``k``; keep it where a part ends.
+
+    The columns are of one part: ``space.chain`` has the derivatives of those before, that of all of them together, and
+    room for a product. They begin as 1 where ``k`` is 0.
+    """
+    size, each = m * m, samples_of_part(period)
+    whole, new = MOST_PARTS * size, (MOST_PARTS + 1) * size
+    if k == 0:
+        for i in range(size):
+            space.chain[whole + i] = 1.0 if i % (m + 1) == 0 else 0.0
+    multiply(space.cols, 0, space.width, space.chain, whole, space.chain, new, m)
+    space.marks[SWOLLEN] = max(space.marks[SWOLLEN], size_by(space.chain, new, body, space, m))
+    if (k + 1) % each == 0 or k == period - 1:
+        part = k // each * size
+        for c in range(m):
+            for i in range(m):
+                space.chain[part + c * m + i] = space.cols[c * space.width + i]
+        for i in range(size):
+            space.chain[whole + i] = space.chain[new + i]
+        begin_part(space, m)
+
+
+def join_parts(period, body, space, m):
+    """Put the derivative of a period back into its columns; mark what is made of a size on the way to its end."""
+    size = m * m
+    whole, new = MOST_PARTS * size, (MOST_PARTS + 1) * size
+    for c in range(m):
+        for i in range(m):
+            space.cols[c * space.width + i] = space.chain[whole + c * m + i]
+    for i in range(size):
+        space.chain[whole + i] = 1.0 if i % (m + 1) == 0 else 0.0
+    part = (period - 1) // samples_of_part(period)
+    while part >= 0:
+        space.marks[CARRIED] = max(space.marks[CARRIED], size_by(space.chain, whole, body, space, m))
+        multiply(space.chain, whole, m, space.chain, part * size, space.chain, new, m)
+        for i in range(size):
+            space.chain[whole + i] = space.chain[new + i]
+        part -= 1
+
+
+def swell_of(body, space, m, scale):
+    """What the sum of the absolute powers of the derivative makes of a size of 1; inf where it is not bounded."""
+    if not growth_bound(space.cols, space.width, space.power, space.spare, space.total, m, scale):
+        return inf
+    largest_entries(body, space.away)
+    largest = 0.0
+    for i in range(m):
+        largest = max(largest, space.away[i] / unit(i, scale))
+    for i in range(m):
+        space.away[i] += TAIL * GONE * largest * unit(i, scale)
+    for i in range(m):
+        space.spare[i] = 0.0
+        for j in range(m):
+            space.spare[i] += space.total[i * m + j] * space.away[j]
+    return size_of(space.spare, body)
+
+
+def missed_by(fast, slow, grown, body, space, m):
+    """Size of the residual of an orbit, of which a period adds ``fast`` to positions and ``slow`` to speeds."""
+    n = body.order
+    for j in range(m):
+        space.away[j] = abs(space.residual[j])
+        is_slow = j % 2 == 1 and not (body.lag > 0.0 and j == n - 1)
+        space.spare[j] = slow if is_slow else fast
+    return size_of(space.away, body) + grown * size_of(space.spare, body)
+
+
+def pass_corners(far, body, marks):
+    """How near motions may be to an orbit in position while they pass its corners as it does, and what that adds.
+
+    ``(far, bend)``: ``far`` or less; ``bend`` is of a growth of 1.
+    """
+    slope, reach, slowness = body.cogs[SLOPE], unit_reach(body), marks[SLOWNESS]
+    if slowness == 0.0:
+        return far, 0.0
+    way = WINDOW * marks[SLOWEST] ** 2 / marks[FASTEST]
+    far = min(far, WITHIN * way, BESIDE / (growth_rate(body) * PASSING * slowness))
+    return far, 2.0 * slope * PASSING * slowness * reach * reach
+
+
+def turn_alike(pace, late, body, marks):
+    """As `pass_corners`, in the speed, where friction turns a motion round, holds it, or lets it go.
+
+    ``late``: of torques that are still under way, and differ in sum by no more than speeds may, 1; else 0.
+    """
+    pace = min(pace, WITHIN * marks[SPEED])
+    stiff = 2.0 / unit_reach(body) + body.alpha + 2.0 * body.lag + late
+    if marks[TURNING] == 0.0:
+        return min(pace, WITHIN * marks[LEVEL] / stiff), 0.0
+    least = marks[LEAST_TURN]
+    bend = marks[FASTEST] * (stiffness(body) + body.cogs[ROOT] + body.lag)
+    pull = stiff + 4.0 * bend / least  # by which torques differ at a turn, times the difference of speeds
+    pace = min(pace, WITHIN * min(marks[LEVEL], 0.5 * least) / pull)
+    pace = min(pace, WITHIN * least * least / (8.0 * bend), WITHIN * 0.25 * marks[STUCK_FOR])
+    return pace, 16.0 * marks[TURNING] * (stiff + bend / least)
+
+
+def room_over_corners(fast, slow, margin, late, period, body, space, scale):
+    """How near to an orbit over corners a motion must be to come to it: ``(room, bound, grown)``.
+
+    ``room`` is by `cogging.far_around`, at most 0 where nothing is proven; ``bound``: on how far the orbit itself may
+    be off in position; ``grown``: by what a difference may grow within a period. Overwrites ``away``, ``spare``,
+    ``power`` and ``total``.
+
+    Args:
+        fast: What a period may add to the residual of positions.
+        slow: The same, of speeds.
+        margin: Least distance of a sample to a change of command.
+        late: As `turn_alike` has it.
+        period: Samples of a period.
+        body: What moves.
+        space: As the last turn of the period map has left it.
+        scale: How speeds compare to positions.
+    """
+    marks, reach, rate, m = space.marks, unit_reach(body), growth_rate(body), body.order
+    grown = exp(min(rate * marks[LOOSE] + BESIDE, MOST_GROWTH))
+    part = exp(min(rate * min(marks[LOOSE], samples_of_part(period)) + BESIDE, MOST_GROWTH))
+    far, bend = pass_corners(WITHIN * min(margin, marks[TURN_ROOM], 0.25 * body.cogs[LENGTH]), body, marks)
+    pace = far / reach
+    if body.friction > 0.0:
+        pace, turning = turn_alike(pace, late, body, marks)
+        bend += turning
+    carried = min(grown, marks[CARRIED] * part)
+    bend *= carried
+    most = grown  # by what a difference may grow up to any time of a period
+    swollen = 2.0 * max(1.0, marks[SWOLLEN]) * exp(min(rate + BESIDE, MOST_GROWTH))
+    if swollen < grown:
+        most = swollen
+        if pace * bend > 0.5:
+            pace = 0.5 / bend
+    missed = missed_by(fast, slow, carried, body, space, m)
+    swell = swell_of(body, space, m, scale)
+    if not swell < inf:
+        return -1.0, inf, grown
+    size = pace / most
+    if size * swell * bend * most * most > 0.5:
+        size = 0.5 / (swell * bend * most * most)
+    return (size / (2.0 * swell) - missed) * reach, 2.0 * swell * missed * most * reach, grown
