@@ -5,7 +5,7 @@ Samples of a campaign's trials, and their steady parts: what the drawings of the
 
 from dataclasses import dataclass
 from math import pi
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -156,6 +156,25 @@ def _thumbnail(panel: "Axes", trial: Held, cycles: float) -> None:
     panel.margins(x=0.0)
 
 
+class Part(NamedTuple):
+    """What part of a trial is drawn: the last ``cycles`` of the steady part, or from ``from_s`` to ``to_s``.
+
+    These are s from when the wall came on. A trial without a sustained buzz has its last 0.1 s drawn.
+    """
+
+    cycles: float = 8.0
+    from_s: float | None = None
+    to_s: float | None = None
+
+    def of(self, trial: Held) -> np.ndarray:
+        """Which samples of a trial it has, (n,)."""
+        if self.from_s is not None or self.to_s is not None:
+            end = float(trial.time[-1]) if self.to_s is None else self.to_s
+            return np.asarray((trial.time >= (self.from_s or 0.0)) & (trial.time <= end))
+        buzzes = bool(trial.row["sustained"] and trial.row["cycle_hz"])
+        return trial.last(self.cycles / trial.row["cycle_hz"] if buzzes else _STILL_S)
+
+
 @drawing
 def campaign_trial(
     evidence: ResultSet,
@@ -163,23 +182,17 @@ def campaign_trial(
     *,
     sample_rate_hz: float,
     counts_per_rev: int,
-    cycles: float = 8.0,
-    from_s: float | None = None,
-    to_s: float | None = None,
+    part: Part,
     grip: bool = True,
     remedy: str = "",
 ) -> "Figure":
     """One trial: angle by the device's own encoder, below it the torque, with the angle that the wall sees, and grip.
 
-    The last ``cycles`` of the steady part, or from ``from_s`` to ``to_s`` (s from when the wall came on). Angles in
-    mrad, or µrad if small, torque in mN·m, grip in N. ``remedy``: under which, of a campaign that tried several. Raises
-    `MissingError` where there is no such trial, or nothing in that window.
+    Angles in mrad, or µrad if small, torque in mN·m, grip in N. ``remedy``: under which, of a campaign that tried
+    several. Raises `MissingError` where there is no such trial, or nothing in that part.
     """
     trial = one_trial(evidence, of, sample_rate_hz=sample_rate_hz, counts_per_rev=counts_per_rev, remedy=remedy)
-    buzzes = bool(trial.row["sustained"] and trial.row["cycle_hz"])
-    shown = trial.last(cycles / trial.row["cycle_hz"] if buzzes else _STILL_S)
-    if from_s is not None or to_s is not None:
-        shown = (trial.time >= (from_s or 0.0)) & (trial.time <= (float(trial.time[-1]) if to_s is None else to_s))
+    shown = part.of(trial)
     if shown.sum() < 2:
         raise MissingError(f"'{of}' has no samples there, at {trial.place}")
     heights = [2.2, 1.1, *([0.9] if grip else [])]

@@ -1,13 +1,12 @@
 """A short contact with the wall: where the torque acts late, and the energy that adds (Hasser, Fig. 60)."""
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.panel import draw_torque_axis, draw_wall, key, scale_of
-from hknob_cli.figures.recording import At, Of, Recording, recordings
+from hknob_cli.figures.recording import Of, Recording, Which, recordings
 from hknob_cli.figures.trajectory_picture import Scale
 from hknob_cli.results.result_set import MissingError, ResultSet
 
@@ -27,23 +26,15 @@ class Held(NamedTuple):
 
 
 @drawing
-def contact_energy(
-    evidence: ResultSet,
-    of: Of,
-    *,
-    at: At | None = None,
-    labels: Sequence[str] | None = None,
-    from_s: float | None = None,
-    to_s: float | None = None,
-) -> "Figure":
+def contact_energy(evidence: ResultSet, of: Of, *, which: Which) -> "Figure":
     """Angle and torque of short contacts, a panel each, and the energy added so far below (µJ).
 
     The torque is scaled to the angle that it answers to. Shaded: inside the wall without torque (late entry), and
     torque outside it (late exit). The energy added is what the wall has done more than one that answers the same
     reading at once. Raises `MissingError` where the encoder's edges are not the wall's.
     """
-    shown = recordings(evidence, of, at=at, from_s=from_s, to_s=to_s)
-    names = list(labels or (each.name for each in shown))
+    shown = recordings(evidence, of, at=which.at, from_s=which.from_s, to_s=which.to_s)
+    names = list(which.labels or (each.name for each in shown))
     if len(names) != len(shown):
         raise MissingError(f"{len(shown)} recordings, but {len(names)} labels")
     added = [_added(each) for each in shown]

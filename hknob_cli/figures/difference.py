@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hknob_cli.figures import drawing, theme
-from hknob_cli.figures.grid import Grid, Row, cell_text, column_label, grid, notes
+from hknob_cli.figures.grid import Grid, Layout, Row, cell_text, column_label, grid, notes
 from hknob_cli.figures.heat import diverging, draw_key, draw_map, height_of, norm_of, ramp
 from hknob_cli.figures.numbers import log_ticks, number
 from hknob_cli.results.result_set import MissingError, ResultSet
@@ -33,9 +33,7 @@ def grid_difference(
     *,
     column: str = "p2p_rad",
     amplitude: bool = False,
-    across: str | None = None,
-    down: str | None = None,
-    at: Row | None = None,
+    layout: Layout,
     where: Row | None = None,
     where_second: Row | None = None,
     full_scale: float = 100.0,
@@ -44,13 +42,13 @@ def grid_difference(
 
     ``amplitude`` takes half of the first, which sets an amplitude against a peak to peak (the reading that gives the
     printed numbers of Fig. 49); colours end at +- ``full_scale`` percent. ``where`` chooses rows of the first, such as
-    a method. For axes see `grid`. Beneath: mean, standard deviation (n - 1), least and largest. Raises `MissingError`.
+    a method. Beneath: mean, standard deviation (n - 1), least and largest. Raises `MissingError`.
     """
     from matplotlib.colors import Normalize
 
-    first = grid(evidence[of[0]], across=across, down=down, at=at, where=where, columns=(column,))
-    second = grid(evidence[of[1]], across=first.across or None, down=first.down or None, at=at, where=where_second,
-                  columns=(column,))  # fmt: skip
+    first = grid(evidence[of[0]], layout, where=where, columns=(column,))
+    same = Layout(first.across or None, first.down or None, layout.at)
+    second = grid(evidence[of[1]], same, where=where_second, columns=(column,))
     percent = differences(first, second, column, factor=0.5 if amplitude else 1.0)
     texts = [
         [_text(one, other, value, column) for one, other, value in zip(ones, others, line, strict=True)]

@@ -67,6 +67,39 @@ def axis_name(axis: str) -> str:
     return _AXES.get(axis, axis)
 
 
+class Layout(NamedTuple):
+    """The axes of a grid: ``across`` (by default the first that varies) and ``down`` (the next).
+
+    ``at`` gives values of further axes, in SI units.
+    """
+
+    across: str | None = None
+    down: str | None = None
+    at: Row | None = None
+
+
+USUAL = Layout()
+
+
+class LinesLayout(NamedTuple):
+    """The axis ``over`` which lines are drawn (by default the first that varies), and that of ``lines`` (the next).
+
+    Each line is of one value of that axis. ``at`` gives values of further axes, in SI units.
+    """
+
+    over: str | None = None
+    lines: str | None = None
+    at: Row | None = None
+
+
+class Measure(NamedTuple):
+    """The ``column`` that is drawn. Its SI values times ``scale`` are what ``label`` says; None: as in all figures."""
+
+    column: str = "p2p_rad"
+    scale: float | None = None
+    label: str | None = None
+
+
 class Grid(NamedTuple):
     """Cells by row (``down``, upward in a figure) and column (``across``), None where there is none.
 
@@ -119,20 +152,13 @@ def rows_of(result: Result, where: Row | None = None) -> Rows:
     return largest_cycles(rows, axes_of(result, rows)) if "orbit" in rows[0] and "orbit" not in chosen else rows
 
 
-def grid(
-    result: Result,
-    *,
-    across: str | None = None,
-    down: str | None = None,
-    at: Row | None = None,
-    where: Row | None = None,
-    columns: tuple[str, ...] = (),
-) -> Grid:
-    """Lay a result out over two axes: ``across`` (by default the first that varies) and ``down`` (the next).
+def grid(result: Result, layout: Layout = USUAL, *, where: Row | None = None, columns: tuple[str, ...] = ()) -> Grid:
+    """Lay a result out over two axes.
 
-    ``at`` gives values of further axes, ``where`` of other columns, such as a method. Raises `MissingError` if one of
-    these, or of ``columns``, is not there, a further axis varies, or the cells are points of a design.
+    ``where`` gives values of columns other than axes, such as a method. Raises `MissingError` if one of these, of the
+    axes, or of ``columns``, is not there, a further axis varies, or the cells are points of a design.
     """
+    across, down, at = layout
     rows = rows_of(result, where)
     axes = axes_of(result, rows)
     for name in (across, down, *(at or {})):

@@ -4,7 +4,7 @@ from textwrap import fill
 from typing import TYPE_CHECKING
 
 from hknob_cli.figures import drawing, theme
-from hknob_cli.figures.grid import Grid, Row, column_label, grid
+from hknob_cli.figures.grid import Grid, Layout, LinesLayout, column_label, grid
 from hknob_cli.figures.numbers import log_ticks, mark_values, tick_labels
 from hknob_cli.results.result_set import MissingError, ResultSet
 
@@ -22,12 +22,10 @@ def law_lines(
     *,
     law: str = "quantum_period",
     column: str = "p2p_rad",
-    over: str | None = None,
-    lines: str | None = None,
-    at: Row | None = None,
+    layout: LinesLayout,
     height: float = 3.8,
 ) -> "Figure":
-    """A law of a prediction as lines over the axis ``over``, and the simulated values as points.
+    """A law of a prediction as lines over an axis, and the simulated values as points.
 
     ``of``: the prediction, and the sweep, unless the prediction has one beside it. Lines are faint outside the law's
     domain. Mean over the trials that cycle. Raises `MissingError`.
@@ -35,10 +33,11 @@ def law_lines(
     names = [of] if isinstance(of, str) else list(of)
     result = evidence[names[0]]
     beside = column if len(names) > 1 else f"sweep_{column}"
-    cells = grid(result, across=over, down=lines, at=at, where={"law": law}, columns=(column,))
+    cells = grid(result, Layout(*layout), where={"law": law}, columns=(column,))
     there: Grid | None = cells
     if len(names) > 1:
-        there = grid(evidence[names[1]], across=cells.across or None, down=cells.down or None, at=at, columns=(column,))
+        same = Layout(cells.across or None, cells.down or None, layout.at)
+        there = grid(evidence[names[1]], same, columns=(column,))
     elif cells.rows and beside not in cells.rows[0]:
         there = None
     name, factor = column_label(result, column)

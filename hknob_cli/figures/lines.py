@@ -2,10 +2,10 @@
 
 from math import sqrt
 from textwrap import fill
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from hknob_cli.figures import drawing, theme
-from hknob_cli.figures.grid import Grid, Row, column_label, grid
+from hknob_cli.figures.grid import Grid, Layout, LinesLayout, Measure, Row, column_label, grid
 from hknob_cli.figures.numbers import log_ticks, number, tick_labels
 from hknob_cli.results.result_set import MissingError, ResultSet
 
@@ -18,62 +18,68 @@ _WIDE = 8.0  # span of an axis from which a logarithmic scale is of use
 Points = list[tuple[float, float, Row]]
 
 
+class Style(NamedTuple):
+    """How lines are drawn.
+
+    ``log``: the axes that are logarithmic, of "x" and "y". ``mean_over``: the mean of the lines, with its values, and
+    the cells faint behind. ``values`` are written beside their points, where there is room. ``error``: column of a
+    standard deviation, over the root of the column ``trials`` if given.
+    """
+
+    log: str = "xy"
+    mean_over: bool = False
+    values: bool = False
+    error: str | None = None
+    trials: str | None = None
+
+
 @drawing
 def grid_lines(
     evidence: ResultSet,
     of: str,
     *,
-    column: str = "p2p_rad",
-    scale: float | None = None,
-    label: str | None = None,
-    over: str | None = None,
-    lines: str | None = None,
-    at: Row | None = None,
+    measure: Measure,
+    layout: LinesLayout,
     where: Row | None = None,
-    log: str = "xy",
-    mean_over: bool = False,
-    values: bool = False,
-    error: str | None = None,
-    trials: str | None = None,
+    style: Style,
     height: float = 3.4,
 ) -> "Figure":
-    """A column over the axis ``over``, one line for each value of the axis ``lines``.
+    """A column over one axis, a line for each value of another.
 
-    ``log``: the axes that are logarithmic, of "x" and "y". ``mean_over``: the mean of the lines, with its values, and
-    the cells faint behind. ``values`` writes the values beside their points, where there is room. ``error``: column of
-    a standard deviation, over the root of the column ``trials`` if given. A value not above 0 on a logarithmic axis is
-    hollow, at its size. For rows see `grid`. Raises `MissingError`.
+    ``where`` chooses rows, such as those of a method; ``height`` in inches. A value not above 0 on a logarithmic axis
+    is hollow, at its size. Raises `MissingError`.
     """
-    result = evidence[of]
-    needed = tuple(filter(None, (column, error, trials)))
-    cells = grid(result, across=over, down=lines, at=at, where=where, columns=needed)
-    name, factor = column_label(result, column, scale, label)
+    result, column = evidence[of], measure.column
+    needed = tuple(filter(None, (column, style.error, style.trials)))
+    cells = grid(result, Layout(*layout), where=where, columns=needed)
+    name, factor = column_label(result, *measure)
     table = cells.values(column, factor)
     if not any(value == value for line in table for value in line):
         raise MissingError(f"'{of}' has no value of {column}")
     figure = theme.figure(height)
     axes = figure.subplots()
-    _scales(axes, cells, log)
+    _scales(axes, cells, style.log)
     series = [_points(cells, line, table[i]) for i, line in enumerate(cells.cells)]
-    if mean_over:
-        _mean(axes, series, log="y" in log)
+    log = "y" in style.log
+    if style.mean_over:
+        _mean(axes, series, log=log)
     else:
         for i, (points, text) in enumerate(zip(series, tick_labels(cells.downs), strict=True)):
-            _line(axes, points, i, text, log="y" in log, error=error, trials=trials, factor=factor)
+            _line(axes, points, i, text, style, factor)
     axes.set_xlabel(cells.names[0])
     axes.set_ylabel(name)
     axes.margins(x=0.07)
-    if "y" in log:
+    if log:
         axes.set_yticks(*log_ticks(*axes.get_ylim()))
         axes.set_yticks([], minor=True)
-    if "y" not in log and all(y >= 0 for points in series for _, y, _ in points):
+    if not log and all(y >= 0 for points in series for _, y, _ in points):
         axes.set_ylim(bottom=0.0)
-    if values and not mean_over:
+    if style.values and not style.mean_over:
         _write(axes, series, room=0.13 / (height - 0.7))
-    if "y" in log and any(y < 0 for points in series for _, y, _ in points):
+    if log and any(y < 0 for points in series for _, y, _ in points):
         figure.supxlabel("hollow: the value is negative, its size is shown", fontsize=8)
-    if cells.down and (len(cells.downs) > 1 or mean_over):
-        figure.legend(title=fill(cells.names[1], 20) if not mean_over else None, loc="outside right upper",
+    if cells.down and (len(cells.downs) > 1 or style.mean_over):
+        figure.legend(title=fill(cells.names[1], 20) if not style.mean_over else None, loc="outside right upper",
                       handlelength=3.2)  # fmt: skip
     return figure
 
@@ -95,30 +101,23 @@ def _points(cells: Grid, line: list[Row | None], values: list[float]) -> Points:
     return [(x, y, cell) for x, y, cell in zip(xs, values, line, strict=True) if cell is not None and y == y]
 
 
-def _line(
-    axes: "Axes",
-    points: Points,
-    index: int,
-    text: str,
-    *,
-    log: bool,
-    error: str | None,
-    trials: str | None,
-    factor: float,
-) -> None:
+def _line(axes: "Axes", points: Points, index: int, text: str, style: Style, factor: float) -> None:
+    log = "y" in style.log
     sure = [point for point in points if point[1] > 0 or not log]
     xs, ys = [x for x, _, _ in sure], [y for _, y, _ in sure]
     marker = theme.points(index)["marker"]
     axes.plot(xs, ys, marker=marker, markersize=4.5, label=text, **theme.series(index))
-    if error is not None:
-        size = [factor * (cell[error] or 0.0) / sqrt(max(1, cell[trials] if trials else 1)) for *_, cell in sure]
+    if style.error is not None:
+        counts = [cell[style.trials] if style.trials else 1 for *_, cell in sure]
+        errors = [cell[style.error] or 0.0 for *_, cell in sure]
+        size = [factor * error / sqrt(max(1, count)) for error, count in zip(errors, counts, strict=True)]
         below = [min(one, 0.9 * y) if log else one for one, (_, y, _) in zip(size, sure, strict=True)]
         colour = theme.series(index)["color"]
         axes.errorbar(xs, ys, yerr=[below, size], linestyle="none", color=colour, capsize=2, elinewidth=0.8)
     rest = [point for point in points if point[1] < 0 and log]
     if rest:
-        style = {**theme.points(index), "markerfacecolor": "none"}
-        axes.plot([x for x, _, _ in rest], [-y for _, y, _ in rest], markersize=4.5, **style)
+        hollow = {**theme.points(index), "markerfacecolor": "none"}
+        axes.plot([x for x, _, _ in rest], [-y for _, y, _ in rest], markersize=4.5, **hollow)
 
 
 def _write(axes: "Axes", series: list[Points], *, room: float) -> None:

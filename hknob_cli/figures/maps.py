@@ -11,7 +11,7 @@ from math import floor, log
 from typing import TYPE_CHECKING, Any
 
 from hknob_cli.figures import drawing, theme
-from hknob_cli.figures.grid import Grid, Row, cell_text, column_label, ends, grid, notes
+from hknob_cli.figures.grid import Grid, Layout, Measure, Row, cell_text, column_label, ends, grid, notes
 from hknob_cli.figures.heat import about_zero, diverging, draw_key, draw_map, height_of, norm_of, ramp
 from hknob_cli.figures.numbers import tick_labels
 from hknob_cli.results.means import WORST
@@ -84,12 +84,8 @@ def grid_map(
     evidence: ResultSet,
     of: str,
     *,
-    column: str = "p2p_rad",
-    scale: float | None = None,
-    label: str | None = None,
-    across: str | None = None,
-    down: str | None = None,
-    at: Row | None = None,
+    measure: Measure,
+    layout: Layout,
     where: Row | None = None,
     log: bool = True,
     mesh: bool = False,
@@ -97,12 +93,12 @@ def grid_map(
 ) -> "Figure":
     """One column over two axes, its values written in (Hasser, Figs 29, 30, 33-36, 38, 47, 50, 55, 56, 59, 62-65).
 
-    ``scale`` times SI values is what ``label`` says; ``log``: of the colours, and of the surface that ``mesh`` puts
-    beside the map. For axes and rows see `grid`. Raises `MissingError`.
+    ``where`` chooses rows, such as those of a method; ``log``: of the colours, and of the surface that ``mesh`` puts
+    beside the map. Raises `MissingError`.
     """
-    result = evidence[of]
-    cells = grid(result, across=across, down=down, at=at, where=where, columns=(column,))
-    name, factor = column_label(result, column, scale, label)
+    result, column = evidence[of], measure.column
+    cells = grid(result, layout, where=where, columns=(column,))
+    name, factor = column_label(result, *measure)
     values = cells.values(column, factor)
     mesh = mesh and min(len(cells.acrosses), len(cells.downs)) > 1
     flat = [value for line in values for value in line]
@@ -129,22 +125,20 @@ def grid_pair(
     columns: str | list[str] = "p2p_rad",
     names: list[str] | None = None,
     wheres: list[Row] | None = None,
-    across: str | None = None,
-    down: str | None = None,
-    at: Row | None = None,
+    layout: Layout,
     log: bool = True,
     digits: int = 2,
 ) -> "Figure":
     """Two maps side by side, of two results or two columns (Hasser, Figs 48, 51, 57, 61-65).
 
     Maps with the same label share one scale of colours. ``names`` stand above them, ``wheres`` choose the rows of each,
-    such as a method; for axes see `grid`. Raises `MissingError`.
+    such as those of a method. Raises `MissingError`.
     """
     results = [evidence[name] for name in _two(of)]
     chosen = _two(columns)
     where = wheres or [{}, {}]
     grids = [
-        grid(result, across=across, down=down, at=at, where=one, columns=(column,))
+        grid(result, layout, where=one, columns=(column,))
         for result, one, column in zip(results, where, chosen, strict=True)
     ]
     labels = [column_label(result, column) for result, column in zip(results, chosen, strict=True)]
@@ -197,19 +191,17 @@ def saturated_map(
     *,
     column: str = "p2p_counts",
     limit: float = 2.0,
-    across: str | None = None,
-    down: str | None = None,
-    at: Row | None = None,
+    layout: Layout,
     where: Row | None = None,
 ) -> "Figure":
     """Two tones: ``column`` above ``limit`` (+1) or not (-1); 2 counts of peak to peak are one to either side.
 
-    For axes and rows see `grid`. Raises `MissingError`.
+    ``where`` chooses rows, such as those of a method. Raises `MissingError`.
     """
     from matplotlib.colors import ListedColormap, Normalize
     from matplotlib.patches import Patch
 
-    cells = grid(evidence[of], across=across, down=down, at=at, where=where, columns=(column,))
+    cells = grid(evidence[of], layout, where=where, columns=(column,))
     signs = [[value if value != value else (1.0 if value > limit else -1.0) for value in line]
              for line in cells.values(column)]  # fmt: skip
     texts: list[list[str]] = []
@@ -240,9 +232,7 @@ def surface(
     evidence: ResultSet,
     of: str,
     *,
-    across: str | None = None,
-    down: str | None = None,
-    at: Row | None = None,
+    layout: Layout,
     mesh: bool = False,
     log_pitch: bool = False,
 ) -> "Figure":
@@ -250,12 +240,12 @@ def surface(
 
     Both are those of the largest cycle of a cell.
     ``log_pitch``: log frequency, too. A letter says which of the two it is (s: size, p: pitch); the best cell of each
-    row has a frame. For axes see `grid`. Raises `MissingError`.
+    row has a frame. Raises `MissingError`.
     """
     from matplotlib.colors import Normalize
 
     size_of, pitch_of = WORST
-    cells = grid(evidence[of], across=across, down=down, at=at, columns=WORST)
+    cells = grid(evidence[of], layout, columns=WORST)
     sizes = [[log(value) if value > 0 else float("nan") for value in line] for line in cells.values(size_of)]
     pitches = [
         [(log(value) if log_pitch else value) if value > 0 else float("nan") for value in line]

@@ -1,13 +1,13 @@
 """The knob's motion over time, with the torque that answers it (Hasser, Figs 15, 16, 22-28, 31, 32, 69, 71)."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.panel import draw_steps, draw_torque_axis, draw_wall, key, scale_of, torque_scale
-from hknob_cli.figures.recording import At, Of, Recording, recordings
+from hknob_cli.figures.recording import Of, Recording, Which, recordings
 from hknob_cli.figures.trajectory_picture import Scale
 from hknob_cli.results.result_set import MissingError, ResultSet
 
@@ -19,37 +19,40 @@ HEIGHTS = {"angle": 2.3, "torque": 1.05, "acceleration": 2.3, "energy": 1.3}  # 
 BOUNCES = 10  # that the lines of mean peaks and troughs take in (Hasser, sec. 6.4.2)
 
 
+class View(NamedTuple):
+    """What is drawn of the recordings.
+
+    ``samples`` marks where the controller reads; ``counts`` rules the count edges. ``scaled`` draws the torque of one
+    recording over the angle, as the angle that it answers to, instead of below. ``acceleration`` draws accelerations
+    only (mean between rows). ``bounces`` marks the bounce peaks and draws the energy below, with a parabola through
+    them. ``peaks_lines`` rules the mean of the last ten peaks and troughs.
+    """
+
+    samples: bool = False
+    counts: bool = True
+    scaled: bool = False
+    acceleration: bool = False
+    bounces: bool = False
+    peaks_lines: bool = False
+
+    @property
+    def parts(self) -> list[str]:
+        """The panels, from above."""
+        upper = ["acceleration"] if self.acceleration else ["angle", *([] if self.scaled else ["torque"])]
+        return upper + (["energy"] if self.bounces else [])
+
+
 @drawing
-def time_response(
-    evidence: ResultSet,
-    of: Of,
-    *,
-    at: At | None = None,
-    labels: Sequence[str] | None = None,
-    from_s: float | None = None,
-    to_s: float | None = None,
-    samples: bool = False,
-    counts: bool = True,
-    scaled: bool = False,
-    acceleration: bool = False,
-    bounces: bool = False,
-    peaks_lines: bool = False,
-    height: float | None = None,
-) -> "Figure":
+def time_response(evidence: ResultSet, of: Of, *, which: Which, view: View, height: float | None = None) -> "Figure":
     """Angle over time, torque below; or accelerations.
 
-    ``at``, ``from_s``, ``to_s`` (s) pick recordings and their window; ``labels`` name them in order. ``samples`` marks
-    where the controller reads; ``counts`` rules the count edges. ``scaled`` draws the torque of one recording over the
-    angle, as the angle that it answers to, instead of below. ``acceleration`` draws accelerations only (mean between
-    rows). ``bounces`` marks the bounce peaks and draws the energy below, with a parabola through them. ``peaks_lines``
-    rules the mean of the last ten peaks and troughs. ``height`` in inches. Raises `MissingError`.
+    ``height`` in inches. Raises `MissingError`.
     """
-    shown = recordings(evidence, of, at=at, from_s=from_s, to_s=to_s)
-    if scaled and (len(shown) > 1 or shown[0].scene.wall.stiffness == 0.0):
+    shown = recordings(evidence, of, at=which.at, from_s=which.from_s, to_s=which.to_s)
+    if view.scaled and (len(shown) > 1 or shown[0].scene.wall.stiffness == 0.0):
         raise MissingError("'scaled' is of one recording, with a wall")
-    names = _names(shown, labels)
-    parts = ["acceleration"] if acceleration else ["angle", *([] if scaled else ["torque"])]
-    parts += ["energy"] if bounces else []
+    names = _names(shown, which.labels)
+    parts = view.parts
     heights = [HEIGHTS[part] for part in parts]
     drawn = theme.figure(height or 0.5 + sum(heights))
     panels = drawn.subplots(len(parts), 1, squeeze=False, sharex=True, height_ratios=heights)[:, 0]
@@ -58,16 +61,7 @@ def time_response(
     for panel, part in zip(panels, parts, strict=True):
         draw[part](panel, shown, names, time)
     if parts[0] == "angle":
-        unit = _angle_unit(shown)
-        if samples:
-            _mark_samples(panels[0], shown, time, unit)
-        if scaled:
-            _draw_answered(panels[0], shown[0], time, unit)
-        if bounces:
-            _mark_bounces(panels[0], shown[0], time, unit)
-        if peaks_lines:
-            _rule_peaks(panels[0], shown[0], time, unit)
-        draw_wall(panels[0], shown[0], unit, counts=counts)
+        _mark_angles(panels[0], shown, time, view)
     key(panels[0])
     panels[-1].set_xlabel(f"time, {time.prefix}s")
     panels[-1].set_xlim(*(time.factor * shown[0].time[[0, -1]]))
@@ -107,6 +101,20 @@ def _draw_angles(panel: "Axes", shown: list[Recording], names: list[str], time: 
         if one.finger is not None:
             panel.plot(time.factor * one.time, unit.factor * one.finger, label=f"finger of {name}", **theme.series(4))
     panel.set_ylabel(f"angle, {unit.prefix}rad")
+
+
+def _mark_angles(panel: "Axes", shown: list[Recording], time: Scale, view: View) -> None:
+    """What is drawn on the panel of the angles beside them."""
+    unit, one = _angle_unit(shown), shown[0]
+    if view.samples:
+        _mark_samples(panel, shown, time, unit)
+    if view.scaled:
+        _draw_answered(panel, one, time, unit)
+    if view.bounces:
+        _mark_bounces(panel, one, time, unit)
+    if view.peaks_lines:
+        _rule_peaks(panel, one, time, unit)
+    draw_wall(panel, one, unit, counts=view.counts)
 
 
 def _mark_samples(panel: "Axes", shown: list[Recording], time: Scale, unit: Scale) -> None:

@@ -6,7 +6,7 @@ One whole period of a recorded trial that has settled to a proven cycle.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import pi
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pyarrow.compute as pc
@@ -78,6 +78,18 @@ class Recording:
             for value in (getattr(self, name),)
         }
         return Recording(self.name, self.cell, self.scene, self.pulse, **arrays)  # type: ignore[arg-type]
+
+
+class Which(NamedTuple):
+    """Which recordings are drawn: those where columns are as ``at`` says, from ``from_s`` to ``to_s`` (s).
+
+    ``labels`` name them in order.
+    """
+
+    at: At | None = None
+    labels: Sequence[str] | None = None
+    from_s: float | None = None
+    to_s: float | None = None
 
 
 def recordings(

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from hknob_cli.figures import drawing
-from hknob_cli.figures.grid import Row, grid, notes
+from hknob_cli.figures.grid import Layout, grid, notes
 from hknob_cli.figures.heat import norm_of
 from hknob_cli.figures.maps import draw_surface, ending
 from hknob_cli.results.result_set import MissingError, ResultSet
@@ -19,19 +19,17 @@ def sensory_surface(
     evidence: ResultSet,
     of: str,
     *,
-    across: str | None = None,
-    down: str | None = None,
-    at: Row | None = None,
+    layout: Layout,
     mesh: bool = False,
 ) -> "Figure":
     """The larger of the levels of touch and of sound above their thresholds, dB, over two axes; small is good.
 
     A letter says which of the two it is (t: touch, h: hearing); the best cell of each row has a frame. Each level is
-    that of the cell's most noticeable cycle. For axes see `grid`. Raises `MissingError`, also where sound has no gain.
+    that of the cell's most noticeable cycle. Raises `MissingError`, also where sound has no gain.
     """
     if HEARD not in evidence[of].table("cells").column_names:
         raise MissingError(f"the sound of '{of}' has no level: its perceive has no sound_gain and no sound_response")
-    cells = grid(evidence[of], across=across, down=down, at=at, columns=SENSES)
+    cells = grid(evidence[of], layout, columns=SENSES)
     felt, heard = (cells.values(column) for column in SENSES)
     values = [[_larger(*both) for both in zip(*lines, strict=True)] for lines in zip(felt, heard, strict=True)]
     flat = [value for line in values for value in line]
