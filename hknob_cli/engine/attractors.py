@@ -246,23 +246,23 @@ class Engine(Runner):
     def holds(self, loop: Loop, orbit: Attractor) -> tuple[NDArray[np.float64], ...]:
         """One period of an orbit: states at the start of its holds and at its end (m + 1 each), drives in them (m)."""
         room = self._room(loop, orbit)
-        self._trace(orbit.x, orbit.v, self._ring(orbit), 0, orbit.period, loop, *room)
+        self._trace(orbit.x, orbit.v, self._ring(orbit), 0, orbit.period, loop, room)
         return tuple(np.asarray(values) for values in room)
 
     def measure(self, loop: Loop, orbit: Attractor, parts: Any = None) -> CycleMeasures:
         """Measures of a cycle; ``parts``: what `hold_space` gave for this loop, so that it is filled in once."""
         parts = self.hold_space() if parts is None else parts
         room = self._room(loop, orbit)
-        return CycleMeasures(*self._measure(orbit.x, orbit.v, self._ring(orbit), 0, orbit.period, loop, parts, *room))
+        return CycleMeasures(*self._measure(orbit.x, orbit.v, self._ring(orbit), 0, orbit.period, loop, parts, room))
 
     def hold_space(self) -> Any:
         """Room for the numbers of the holds of a loop."""
         return self.zeros(2 * PART)
 
-    def _room(self, loop: Loop, orbit: Attractor) -> list[Any]:
+    def _room(self, loop: Loop, orbit: Attractor) -> plain_trace.Holds:
         """Room for one period: states and drives of its holds."""
         count = orbit.period * plain_trace.holds_per_sample(loop)
-        return [self.zeros(count + 1), self.zeros(count + 1), self.zeros(count)]
+        return plain_trace.Holds(self.zeros(count + 1), self.zeros(count + 1), self.zeros(count))
 
     def _ring(self, orbit: Attractor) -> Any:
         return self.filled(orbit.line)

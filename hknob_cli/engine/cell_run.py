@@ -13,6 +13,7 @@ from hknob_cli.engine.orbit.holds import PART
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.sets.cells import TOLD, ArcWork
 from hknob_cli.engine.sets.room import ENDS, make_arc_room, make_known
+from hknob_cli.engine.trace import Holds
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.int64]
@@ -101,7 +102,7 @@ def run_cells(
         found.append(out[: FIELD * rows].reshape(rows, FIELD).copy())
         taken += samples
         if holds:
-            room = room._replace(**_holds(2 * holds))
+            room = room._replace(holds=_holds(2 * holds))
     followed = FollowedCells(complete=told[:, 0] > 0.0, pieces=told[:, 1].astype(np.int64), share_error=told[:, 2])
     return _columns(np.concatenate(found) if found else np.empty((0, FIELD))), followed, taken
 
@@ -119,12 +120,12 @@ def _room(phases: int, line: int, rows: int) -> Room:
         order=np.zeros(rows),
         parts=np.zeros(2 * PART),
         outcome_of=OUTCOME_OF.astype(np.float64),
-        **_holds(HOLDS),
+        holds=_holds(HOLDS),
     )
 
 
-def _holds(count: int) -> dict[str, Array]:
-    return {"xs": np.empty(count + 1), "vs": np.empty(count + 1), "drive": np.empty(count)}
+def _holds(count: int) -> Holds:
+    return Holds(np.empty(count + 1), np.empty(count + 1), np.empty(count))
 
 
 def _columns(rows: Array) -> Ends:

@@ -12,7 +12,7 @@ from hknob_cli.engine.loop import make_loop
 from hknob_cli.engine.orbit.cycle import CycleMeasures, measure_cycle
 from hknob_cli.engine.orbit.holds import LENGTH
 from hknob_cli.engine.propagator import slowest_rate
-from hknob_cli.engine.trace import holds_per_sample
+from hknob_cli.engine.trace import Holds, holds_per_sample
 
 UNMEASURED = 20  # the end of a cycle that does not turn but by rounding
 
@@ -27,8 +27,8 @@ class Room(NamedTuple):
     """Work space of one cell: arrays of floats.
 
     ``x``, ``v``, ``line``: a block of lanes; ``ring``: a delay line; ``table``, ``lines``: the orbits of a cell, as
-    `ensemble` wants them, with one row more; ``order``: of their rows; ``xs``, ``vs``, ``drive``: the holds of one
-    period; ``parts``: their numbers; ``outcome_of``: outcome of every fate.
+    `ensemble` wants them, with one row more; ``order``: of their rows; ``holds``: of one period;
+    ``parts``: their numbers; ``outcome_of``: outcome of every fate.
     """
 
     x: Any
@@ -38,9 +38,7 @@ class Room(NamedTuple):
     table: Any
     lines: Any
     order: Any
-    xs: Any
-    vs: Any
-    drive: Any
+    holds: Holds
     parts: Any
     outcome_of: Any
 
@@ -118,7 +116,7 @@ def measure_end(row, delay, loop, room, out, base):
     if fate <= CYCLE_CONTINUUM:
         ring = room.lines[row * delay : (row + 1) * delay]
         cycles, swing, lowest, highest, rms, work, loss, entry, left, staircase = measure_cycle(
-            x, v, ring, 0, n, loop, room.parts, room.xs, room.vs, room.drive
+            x, v, ring, 0, n, loop, room.parts, room.holds
         )
         if cycles == 0:
             fate, n, edge, closure = UNMEASURED, 0, 0.0, 0.0
@@ -159,7 +157,7 @@ def keep_ends(at, found, delay, loop, plant, room, out, rows):
     ``plant``: alpha, beta and split of the cell before.
     """
     longest = longest_orbit(found, room.table, loop)
-    if longest > len(room.drive):
+    if longest > len(room.holds.drive):
         return longest
     if loop.alpha != plant[0] or loop.beta != plant[1] or loop.split != plant[2]:
         room.parts[LENGTH] = 0.0  # of another plant than the cell's before

@@ -1,6 +1,20 @@
 """One period of an orbit, hold by hold: what the measures are taken from."""
 
+from typing import Any, NamedTuple
+
 from hknob_cli.engine.loop import copy_line, level_of, push
+
+
+class Holds(NamedTuple):
+    """The holds of one period of an orbit, lists or arrays; counts and sample periods.
+
+    ``x``, counts, and ``v``, counts per sample: state at the start of each and, last, at the end; ``drive``, counts per
+    sample²: what accelerates the knob in each beside spring and damping, one entry less.
+    """
+
+    x: Any
+    v: Any
+    drive: Any
 
 
 def holds_per_sample(loop):
@@ -8,12 +22,13 @@ def holds_per_sample(loop):
     return 2 if loop.split > 0.0 else 1
 
 
-def trace(x, v, ring, head, n, loop, xs, vs, drive):
+def trace(x, v, ring, head, n, loop, holds):
     """Fill in the holds of ``n`` samples from ``(x, v)``: the state at the start of each, and the drive in it.
 
-    ``drive`` takes n times `holds_per_sample` entries, ``xs`` and ``vs`` one more: the last closes the period. Returns
-    the sums of the positions at which holds start, and of the drives.
+    ``holds`` takes n times `holds_per_sample` of them; the last state closes the period. Returns the sums of the
+    positions at which holds start, and of the drives.
     """
+    xs, vs, drive = holds
     delay = len(ring)
     line = copy_line(ring)
     at, hold = head, 0

@@ -10,7 +10,7 @@ from collections import Counter
 import pytest
 
 from hknob_cli.engine.attractors import Engine
-from hknob_cli.engine.trace import trace
+from hknob_cli.engine.trace import Holds, trace
 from tests import digits as mp
 
 from .reference import build_cell
@@ -30,9 +30,9 @@ CELLS = [
 def orbit_levels(one: Settled) -> tuple[int, ...]:
     """Levels of one period, by the package's own trace."""
     n, loop = one.attractor.period, one.knob.loop
-    xs, spare = [0.0] * (n + 1), [[0.0] * (n + 1) for _ in range(2)]
-    trace(one.attractor.x, one.attractor.v, [], 0, n, loop, xs, *spare)
-    return tuple(min(int(x // 1), 0) for x in xs[:n])
+    holds = Holds([0.0] * (n + 1), [0.0] * (n + 1), [0.0] * n)
+    trace(one.attractor.x, one.attractor.v, [], 0, n, loop, holds)
+    return tuple(min(int(x // 1), 0) for x in holds.x[:n])
 
 
 @pytest.mark.parametrize(("bias", "rate_hz", "counts", "phases", "samples"), CELLS)

@@ -17,7 +17,7 @@ from hknob_cli.engine.loop import Loop
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.engine.sets.room import make_arc_room, make_known
 from hknob_cli.engine.sets.search import Box, SetEngine
-from hknob_cli.engine.trace import trace
+from hknob_cli.engine.trace import Holds, trace
 from tests import digits as mp
 from tests.engine.sets.loops import follow_all
 
@@ -42,10 +42,10 @@ def turned(levels: Levels) -> Levels:
 
 def levels_of(loop: Loop, x: float, v: float, n: int, line: tuple[float, ...] = ()) -> Levels:
     """Levels of one period of an orbit, by the package's own trace."""
-    holds = 2 if loop.split > 0.0 else 1
-    xs, spare = [0.0] * (n * holds + 1), [[0.0] * (n * holds + 1) for _ in range(2)]
-    trace(x, v, list(line), 0, n, loop, xs, *spare)
-    return turned(tuple(min(int(x // 1) if loop.sense > 0 else -int(-x // 1), 0) for x in xs[: n * holds : holds]))
+    kinds = 2 if loop.split > 0.0 else 1
+    holds = Holds(*([0.0] * (n * kinds + 1) for _ in range(3)))
+    trace(x, v, list(line), 0, n, loop, holds)
+    return turned(tuple(min(int(x // 1) if loop.sense > 0 else -int(-x // 1), 0) for x in holds.x[: n * kinds : kinds]))
 
 
 ARCS = [
@@ -178,12 +178,12 @@ def on_listed(attractors: tuple[Attractor, ...], loop: Loop, x: NDArray, v: NDAr
     near = np.zeros(len(x), dtype=bool)
     for one in attractors:
         assert one.outcome in (Outcome.CYCLE, Outcome.REST)
-        holds = [0.0] * (one.period + 1), [0.0] * (one.period + 1), [0.0] * one.period
+        holds = Holds([0.0] * (one.period + 1), [0.0] * (one.period + 1), [0.0] * one.period)
         if one.outcome is Outcome.CYCLE:
-            trace(one.x, one.v, [], 0, one.period, loop, *holds)
+            trace(one.x, one.v, [], 0, one.period, loop, holds)
         else:
-            holds = [one.x], [0.0], []
-        for at_x, at_v in zip(holds[0], holds[1], strict=False):
+            holds = Holds([one.x], [0.0], [])
+        for at_x, at_v in zip(holds.x, holds.v, strict=False):
             near |= (np.abs(x - at_x) < 1e-6) & (np.abs(v - at_v) < 1e-6)
     return near
 

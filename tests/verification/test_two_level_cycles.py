@@ -54,11 +54,11 @@ def lists(sets: SetEngine, knob: SampledKnob) -> Lists:
 
 def samples_of(knob: SampledKnob, cycle: SampledCycle) -> tuple[np.ndarray, np.ndarray]:
     """Angles (rad) and velocities (rad/s) at the samples of an enumerated cycle, by the plain loop's own trace."""
-    from hknob_cli.engine.trace import trace
+    from hknob_cli.engine.trace import Holds, trace
 
     n = cycle.period
-    xs, vs, spare = [0.0] * (n + 1), [0.0] * (n + 1), [0.0] * n
-    trace(cycle.x, cycle.v, [], 0, n, knob.loop, xs, vs, spare)
+    xs, vs, _ = holds = Holds([0.0] * (n + 1), [0.0] * (n + 1), [0.0] * n)
+    trace(cycle.x, cycle.v, [], 0, n, knob.loop, holds)
     assert abs(xs[n] - xs[0]) < 1e-6 * (1.0 + abs(xs[0]))
     return np.array(xs[:n]) * knob.quantum_rad, np.array(vs[:n]) * knob.quantum_rad / knob.period_s
 

@@ -30,22 +30,21 @@ class CycleMeasures(NamedTuple):
     staircase: float
 
 
-def measure_holds(x, v, drive, n, parts, kinds, alpha, beta, places, drives):
+def measure_holds(holds, n, parts, kinds, alpha, beta, places, drives):
     """Measures of ``n`` samples of ``kinds`` holds each, whose end is their start.
 
-    ``x``, ``v``: state at the start of each hold and, last, at the end; ``drive``: the constant acceleration in each;
-    ``places``, ``drives``: sums of the ``x`` without the last, and of the ``drive``; ``parts``: numbers of the kinds
-    of holds, `orbit.holds`. Returns the first seven of `CycleMeasures`; without cycles where nothing turns.
+    ``places``, ``drives``: sums of the positions at which ``holds`` start, and of their drives; ``parts``: numbers of
+    the kinds of holds, `orbit.holds`. Returns the first seven of `CycleMeasures`; without cycles where nothing turns.
     """
     count = n * kinds
     reference = places / count
     peaks, peak_sum, highest, troughs, trough_sum, lowest = find_extrema(
-        x, v, drive, count, parts, kinds, alpha, beta, reference
+        holds, count, parts, kinds, alpha, beta, reference
     )
     if peaks == 0 or troughs == 0:
         none = float("nan")
         return 0, none, none, none, none, none, none
-    total, square, speed, work = find_integrals(x, v, drive, count, parts, kinds, beta, reference, drives / count)
+    total, square, speed, work = find_integrals(holds, count, parts, kinds, beta, reference, drives / count)
     mean = total / n
     return (
         peaks,
@@ -58,16 +57,16 @@ def measure_holds(x, v, drive, n, parts, kinds, alpha, beta, places, drives):
     )
 
 
-def measure_cycle(x, v, ring, head, n, loop, parts, xs, vs, drive):
+def measure_cycle(x, v, ring, head, n, loop, parts, holds):
     """Numbers of `CycleMeasures` of the orbit of ``n`` samples through ``(x, v)``.
 
-    ``ring``, ``head``: the delay line there. ``parts`` is filled in if it is empty, its first number 0; ``xs``, ``vs``
-    and ``drive`` are work space, as `trace` takes it.
+    ``ring``, ``head``: the delay line there. ``parts`` is filled in if it is empty, its first number 0; ``holds`` is
+    work space, as `trace` takes it.
     """
     if parts[LENGTH] == 0.0:
         fill_parts(parts, loop)
-    places, drives = trace(x, v, ring, head, n, loop, xs, vs, drive)
+    places, drives = trace(x, v, ring, head, n, loop, holds)
     kinds = holds_per_sample(loop)
-    found = measure_holds(xs, vs, drive, n, parts, kinds, loop.alpha, loop.beta, places, drives)
+    found = measure_holds(holds, n, parts, kinds, loop.alpha, loop.beta, places, drives)
     edge = 0.0 if loop.sense > 0.0 else -1.0
-    return (*found, *find_leak(xs, drive, n * kinds, loop.gamma, edge, loop.kappa, loop.offset, False))
+    return (*found, *find_leak(holds.x, holds.drive, n * kinds, loop.gamma, edge, loop.kappa, loop.offset, False))

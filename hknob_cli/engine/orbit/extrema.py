@@ -33,12 +33,13 @@ def turns_within(first, span, spacing, odd):
     return max(0, count)
 
 
-def find_extrema(x, v, drive, count, parts, kinds, alpha, beta, reference):
+def find_extrema(holds, count, parts, kinds, alpha, beta, reference):
     """All local maxima and minima of a period of ``count`` holds, relative to ``reference``.
 
     Returns ``(peaks, sum of peaks, highest, troughs, sum of troughs, lowest)``; no peaks where nothing moves, or where
     there are more than `MOST_TURNS`.
     """
+    x, v, drive = holds
     spacing = zero_spacing(alpha, beta)
     if count > MOST_TURNS * kinds * spacing:
         return 0, 0.0, 0.0, 0, 0.0, 0.0

@@ -7,12 +7,13 @@ added up over the holds of a kind, and their products, and the forms of the kind
 from hknob_cli.engine.orbit.holds import MEAN, PART, SPEED, SQUARE, G, S
 
 
-def add_up(x, v, drive, kind, count, kinds, reference, mean):
+def add_up(holds, kind, count, kinds, reference, mean):
     """Sums over the holds of one ``kind`` of a, b, d, a², ab, ad, b², bd and d².
 
-    a: ``x`` less ``reference``; b: ``v``; d: ``drive`` less its ``mean``. Without those the sums would lose digits
+    a: position less ``reference``; b: velocity; d: drive less its ``mean``. Without those the sums would lose digits
     where the knob is pushed deep.
     """
+    x, v, drive = holds
     a, b, d = 0.0, 0.0, 0.0
     aa, ab, ad, bb, bd, dd = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(kind, count, kinds):
@@ -34,7 +35,7 @@ def form_of(parts, at, products):
     )
 
 
-def find_integrals(x, v, drive, count, parts, kinds, beta, reference, mean):
+def find_integrals(holds, count, parts, kinds, beta, reference, mean):
     """Integrals over ``count`` holds: of x less ``reference`` (a position near the motion), of its square, of v², work.
 
     The work is that of the wall torque, in units of J (counts per sample)²: torque times distance. On a limit cycle it
@@ -45,7 +46,7 @@ def find_integrals(x, v, drive, count, parts, kinds, beta, reference, mean):
     spare = mean - beta * reference
     for kind in range(kinds):
         base = kind * PART
-        a, b, d, aa, ab, ad, bb, bd, dd = add_up(x, v, drive, kind, count, kinds, reference, mean)
+        a, b, d, aa, ab, ad, bb, bd, dd = add_up(holds, kind, count, kinds, reference, mean)
         c = d + (count // kinds) * spare  # the drive less what holds the knob at the reference
         products = (aa, ab, ad + spare * a, bb, bd + spare * b, dd + spare * (d + c))
         total += parts[base + MEAN] * a + parts[base + MEAN + 1] * b + parts[base + MEAN + 2] * c

@@ -9,6 +9,7 @@ from hknob_cli.engine.orbit.extrema import find_extrema, turns_within
 from hknob_cli.engine.orbit.forms import hold_forms
 from hknob_cli.engine.orbit.holds import LENGTH, PART, G, S, fill_part
 from hknob_cli.engine.orbit.integrals import find_integrals
+from hknob_cli.engine.trace import Holds
 
 INF = float("inf")
 
@@ -32,14 +33,14 @@ def test_a_walk_by_hand(first: int) -> None:
     The integral of v² is 1/3 in each hold but the third. The work is that of the drive over -1/2, 0 and 1/2.
     """
     x, v, drive = (values[first:] + values[:first] for values in (PLACES, SPEEDS, DRIVES))
-    x, v = [*x, x[0]], [*v, v[0]]
+    holds = Holds([*x, x[0]], [*v, v[0]], drive)
     parts = parts_of(0.0, 0.0, 1.0)
-    found = measure_holds(x, v, drive, 4, parts, 1, 0.0, 0.0, sum(x[:-1]), sum(drive))
+    found = measure_holds(holds, 4, parts, 1, 0.0, 0.0, sum(x), sum(drive))
     cycles, swing, lowest, highest, rms, work, loss = found
     assert (cycles, swing, lowest, highest) == (1, 0.75, -0.5, 0.25)
     assert work == pytest.approx(0.0, abs=1e-15)  # kinetic energy comes back
     assert loss == 0.0
-    _, _, speed, _ = find_integrals(x, v, drive, 4, parts, 1, 0.0, 0.0, 0.0)
+    _, _, speed, _ = find_integrals(holds, 4, parts, 1, 0.0, 0.0, 0.0)
     assert speed == pytest.approx(1.0, rel=1e-14)
     # x is t - t², -t + t²/2, -1/2 and -1/2 + t²/2: integrals 1/6, -1/3, -1/2, -1/3; of squares 1/30, 2/15, 1/4, 2/15.
     mean, square = (1 / 6 - 1 / 3 - 1 / 2 - 1 / 3) / 4, (1 / 30 + 2 / 15 + 1 / 4 + 2 / 15) / 4
@@ -47,12 +48,12 @@ def test_a_walk_by_hand(first: int) -> None:
 
 
 def test_nothing_turns() -> None:
-    x, v, drive = [3.0] * 4, [0.0] * 4, [1.5] * 3
-    found = measure_holds(x, v, drive, 3, parts_of(0.1, 0.5, 1.0), 1, 0.1, 0.5, 9.0, 4.5)
+    holds = Holds([3.0] * 4, [0.0] * 4, [1.5] * 3)
+    found = measure_holds(holds, 3, parts_of(0.1, 0.5, 1.0), 1, 0.1, 0.5, 9.0, 4.5)
     assert found[0] == 0
     assert len(found) == CycleMeasures._fields.index("late_entry")
     assert all(isnan(value) for value in found[1:])
-    assert find_extrema(x, v, drive, 3, parts_of(0.1, 0.5, 1.0), 1, 0.1, 0.5, 3.0)[0] == 0
+    assert find_extrema(holds, 3, parts_of(0.1, 0.5, 1.0), 1, 0.1, 0.5, 3.0)[0] == 0
 
 
 def test_turns_within_a_hold() -> None:
@@ -76,8 +77,8 @@ def test_two_kinds_of_holds_take_turns() -> None:
     one_s, one_g = split[S], split[G]
     middle = x + (one_s * v + one_g * y)
     pace = (1.0 - alpha * one_s - beta * one_g) * v + one_s * y
-    entire = find_integrals([x, 0.0], [v, 0.0], [drive], 1, whole, 1, beta, 0.2, 0.1)
-    parted = find_integrals([x, middle, 0.0], [v, pace, 0.0], [drive, drive], 2, split, 2, beta, 0.2, 0.1)
+    entire = find_integrals(Holds([x, 0.0], [v, 0.0], [drive]), 1, whole, 1, beta, 0.2, 0.1)
+    parted = find_integrals(Holds([x, middle, 0.0], [v, pace, 0.0], [drive, drive]), 2, split, 2, beta, 0.2, 0.1)
     assert parted == pytest.approx(entire, rel=1e-13)
 
 
@@ -90,7 +91,7 @@ def test_forms_do_not_depend_on_how_often_they_are_doubled(pace: float) -> None:
     y = drive - beta * x
     middle = x + (parts[S] * v + parts[G] * y)
     pace_there = (1.0 - alpha * parts[S] - beta * parts[G]) * v + parts[S] * y
-    entire = find_integrals([x, 0.0], [v, 0.0], [drive], 1, whole, 1, beta, 0.0, 0.0)
-    halves = find_integrals([x, middle, 0.0], [v, pace_there, 0.0], [drive] * 2, 2, parts, 2, beta, 0.0, 0.0)
+    entire = find_integrals(Holds([x, 0.0], [v, 0.0], [drive]), 1, whole, 1, beta, 0.0, 0.0)
+    halves = find_integrals(Holds([x, middle, 0.0], [v, pace_there, 0.0], [drive] * 2), 2, parts, 2, beta, 0.0, 0.0)
     assert halves == pytest.approx(entire, rel=1e-14)
     assert len(hold_forms(alpha, beta, 1.0)) == PART - 3

@@ -19,6 +19,7 @@ from hknob_cli.engine.orbit.holds import LENGTH, MEAN, PART, SPEED, SQUARE, G, S
 from hknob_cli.engine.orbit.integrals import find_integrals
 from hknob_cli.engine.orbit.leak import find_leak, potential
 from hknob_cli.engine.propagator import hold_coefficients
+from hknob_cli.engine.trace import Holds
 from hknob_cli.engine.turning import zero_spacing
 from tests.engine.proof.orbits import orbits
 
@@ -107,7 +108,7 @@ def test_integrals_of_a_period(alpha: float, beta: float, lengths: tuple[float, 
         x, v, drive = ([chance.gauss(0, 1) for _ in range(count)] for _ in range(3))
         x = [depth + one for one in x]
         reference, mean = depth + 0.25, sum(drive) / count + 0.125
-        found = find_integrals(x, v, drive, count, parts, kinds, beta, reference, mean)
+        found = find_integrals(Holds(x, v, drive), count, parts, kinds, beta, reference, mean)
         totals, sizes = [mp.mpf(0)] * 4, [0.0] * 4
         with mp.workdps(DIGITS):
             for i in range(count):
@@ -201,7 +202,7 @@ def test_all_turning_points_of_a_period(alpha: float, beta: float, lengths: tupl
         seen = list(turns(x, v, drive, alpha, beta, lengths))
         reference = x[0] + 0.25
         found = find_extrema(
-            x, v, drive, len(drive), parts_of(alpha, beta, lengths), len(lengths), alpha, beta, reference
+            Holds(x, v, drive), len(drive), parts_of(alpha, beta, lengths), len(lengths), alpha, beta, reference
         )
         peaks = [place - reference for way, place in seen if way > 0]
         troughs = [place - reference for way, place in seen if way < 0]
@@ -214,7 +215,9 @@ def test_all_turning_points_of_a_period(alpha: float, beta: float, lengths: tupl
 def extremes(x: list[float], v: list[float], drive: list[float], **more: float) -> Answer:
     alpha, beta = more.get("alpha", 0.0), more.get("beta", 0.0)
     return tuple(
-        find_extrema(x, v, drive, len(drive), parts_of(alpha, beta, (1.0,)), 1, alpha, beta, more.get("reference", 0.0))
+        find_extrema(
+            Holds(x, v, drive), len(drive), parts_of(alpha, beta, (1.0,)), 1, alpha, beta, more.get("reference", 0.0)
+        )
     )
 
 
@@ -230,7 +233,7 @@ def test_a_turn_that_rounding_puts_beyond_its_hold_is_at_the_end_of_it() -> None
         s, g, _ = hold_coefficients(0.0, beta, span)
         return x + (s * v + g * y)
 
-    found = find_extrema([x, 0.0, x], [v, -1.0, v], [0.0, 0.0], 2, parts, 1, 0.0, beta, 0.0)
+    found = find_extrema(Holds([x, 0.0, x], [v, -1.0, v], [0.0, 0.0]), 2, parts, 1, 0.0, beta, 0.0)
     assert (found[0], found[3]) == (2, 2)
     assert found[1] == pytest.approx(place(0.04) + place(0.5), rel=1e-9)
     assert place(0.5) < place(0.54) - 0.009
@@ -276,7 +279,7 @@ def test_a_knob_that_turns_too_often_is_not_looked_at(monkeypatch: pytest.Monkey
         parts = parts_of(0.0, beta, lengths)
         for most, looked in ((6.0 / kinds / spacing * 1.001, True), (6.0 / kinds / spacing * 0.999, False)):
             monkeypatch.setattr(extrema, "MOST_TURNS", most)
-            found = find_extrema(x, v, drive, 6, parts, kinds, 0.0, beta, 0.0)
+            found = find_extrema(Holds(x, v, drive), 6, parts, kinds, 0.0, beta, 0.0)
             assert (found[0] > 0) == looked
             if not looked:
                 assert found == (0, 0.0, 0.0, 0, 0.0, 0.0)
@@ -339,13 +342,13 @@ def test_measures_of_holds_are_of_one_period(monkeypatch: pytest.MonkeyPatch) ->
 
     monkeypatch.setattr(cycle, "find_extrema", found_extrema)
     monkeypatch.setattr(cycle, "find_integrals", found_integrals)
-    lists = [1.0], [2.0], [3.0]
-    found = measure_holds(*lists, 8, [5.0], 2, 0.25, 0.5, 32.0, 48.0)
+    holds = Holds([1.0], [2.0], [3.0])
+    found = measure_holds(holds, 8, [5.0], 2, 0.25, 0.5, 32.0, 48.0)
     assert found == (4, 6.5, -4.0, 5.0, sqrt(3.75), 9.0, 4.0)
-    assert seen == [(*lists, 16, [5.0], 2, 0.25, 0.5, 2.0), (*lists, 16, [5.0], 2, 0.5, 2.0, 3.0)]
+    assert seen == [(holds, 16, [5.0], 2, 0.25, 0.5, 2.0), (holds, 16, [5.0], 2, 0.5, 2.0, 3.0)]
     # What rounding leaves of a motion far below its own mean is no motion.
     monkeypatch.setattr(cycle, "find_integrals", lambda *_: (8.0, 8.0 - 1e-15, 0.0, 0.0))
-    assert measure_holds(*lists, 8, [5.0], 2, 0.25, 0.5, 32.0, 48.0)[4] == 0.0
+    assert measure_holds(holds, 8, [5.0], 2, 0.25, 0.5, 32.0, 48.0)[4] == 0.0
 
 
 @pytest.mark.parametrize(("peaks", "troughs"), [(0, 1), (1, 0), (0, 0)])
@@ -353,7 +356,7 @@ def test_without_both_peaks_and_troughs_there_is_no_cycle(
     monkeypatch: pytest.MonkeyPatch, peaks: int, troughs: int
 ) -> None:
     monkeypatch.setattr(cycle, "find_extrema", lambda *_: (peaks, 1.0, 1.0, troughs, 1.0, 1.0))
-    found = measure_holds([1.0], [2.0], [3.0], 1, [1.0], 1, 0.25, 0.5, 1.0, 1.0)
+    found = measure_holds(Holds([1.0], [2.0], [3.0]), 1, [1.0], 1, 0.25, 0.5, 1.0, 1.0)
     assert found[0] == 0
     assert all(isnan(one) for one in found[1:])
 
@@ -381,12 +384,12 @@ def test_a_cycle_is_measured_as_it_is_traced(monkeypatch: pytest.MonkeyPatch, se
     for parts in ([0.0] * (2 * PART), [2.0, *[7.0] * (2 * PART - 1)], [-1.0, *[7.0] * (2 * PART - 1)]):
         seen.clear()
         given = list(parts)
-        found = measure_cycle(0.5, -1.0, [], 0, 6, loop, given, [1.0], [2.0], [3.0])
+        found = measure_cycle(0.5, -1.0, [], 0, 6, loop, given, Holds([1.0], [2.0], [3.0]))
         assert given == (parts if parts[LENGTH] else whole)
         assert found == (1, *[2.0] * 6, 3.0, 4.0, 5.0)
         assert len(found) == len(CycleMeasures._fields)
         assert seen == [
-            ([1.0], [2.0], [3.0], 6, given, kinds, 0.3, 1.7, 7.0, 8.0),
+            (Holds([1.0], [2.0], [3.0]), 6, given, kinds, 0.3, 1.7, 7.0, 8.0),
             ([1.0], [3.0], 6 * kinds, 0.375, 0.0 if sense > 0.0 else -1.0, 0.5, 0.25, False),
         ]
 
@@ -395,12 +398,8 @@ def test_a_cycle_is_measured_as_it_is_traced(monkeypatch: pytest.MonkeyPatch, se
 def test_energy_balances_on_an_orbit(one: Any) -> None:
     """What the wall gives is what the damping takes, and all of it is late."""
     n = 2 * one.n
-    parts = [0.0] * (2 * PART)
-    found = CycleMeasures(
-        *measure_cycle(
-            one.x, one.v, list(one.ring), one.head, one.n, one.loop, parts, [nan] * (n + 1), [nan] * (n + 1), [nan] * n
-        )
-    )
+    parts, holds = [0.0] * (2 * PART), Holds([nan] * (n + 1), [nan] * (n + 1), [nan] * n)
+    found = CycleMeasures(*measure_cycle(one.x, one.v, list(one.ring), one.head, one.n, one.loop, parts, holds))
     assert found.cycles > 0
     assert found.wall_work == pytest.approx(found.damping_loss, rel=1e-9)
     assert found.late_entry + found.late_exit + found.staircase == pytest.approx(found.wall_work, rel=1e-9)
