@@ -9,9 +9,31 @@ solution: the plant's equation differentiated by alpha, by beta and by phi, and 
 """
 
 from math import exp
+from typing import Any, NamedTuple
 
 TERMS = 22  # of Taylor series whose coefficients are at most 1/n!: 1/22! is 1e-21
 SERIES = 17  # of a matrix's exponential at norm 1/2: 0.5^17/17! is 2e-20
+
+
+class Pull(NamedTuple):
+    """A recorded torque, N m.
+
+    ``torque`` (n,) is held from sample i to i + 1; ``fading`` (n,) or empty: a part added to it that decays at
+    ``decay`` per sample within the hold.
+    """
+
+    torque: Any
+    fading: Any
+    decay: float
+
+
+class Coefficients(NamedTuple):
+    """Those of the equation above: ``gain``, rad per N m, ``alpha``, ``beta``, and ``phi``, rad."""
+
+    gain: float
+    alpha: float
+    beta: float
+    phi: float
 
 
 def rise_series(alpha, beta, decay):
@@ -97,13 +119,14 @@ def move_freely(alpha, beta, slopes):
             v = f * v + s * d
 
 
-def follow_torque(torque, fading, decay, gain, alpha, beta, first, speed, angle, slopes):
+def follow_torque(pull, plant, first, speed, angle, slopes):
     """Angle at every sample, and its derivatives by alpha and beta at a fixed gain, without Coulomb friction.
 
-    ``torque`` (n,) N m held from sample i to i + 1; ``fading`` (n,) or empty: a part added to it that decays at
-    ``decay`` per sample within the hold. ``first`` angle, rad, and ``speed``, rad per sample. Fills ``angle`` (n,) rad
-    and columns 0, 1 of ``slopes`` (n, 3), and of (n, 5) columns 3, 4: by first angle and speed.
+    ``pull``: a `Pull`; ``plant``: its `Coefficients`; ``first`` angle, rad, and ``speed``, rad per sample. Fills
+    ``angle`` (n,) rad and columns 0, 1 of ``slopes`` (n, 3), and of (n, 5) columns 3, 4: by first angle and speed.
     """
+    torque, fading, decay = pull
+    gain, alpha, beta, _phi = plant
     s, g, f, q, r, sa, ga, fa, qa, ra, sb, gb, fb, qb, rb = hold_derivatives(alpha, beta, decay, 1.0)
     x, v, xa, va, xb, vb = first, speed, 0.0, 0.0, 0.0, 0.0
     lagging = len(fading) > 0

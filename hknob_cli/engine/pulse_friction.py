@@ -84,15 +84,17 @@ def set_off(free, w, phi, decay, left):
     return (1.0 if free > 0.0 else -1.0), time
 
 
-def follow_with_friction(torque, fading, decay, gain, alpha, beta, phi, first, speed, angle, slopes):
+def follow_with_friction(pull, plant, first, speed, angle, slopes):
     """Angle at every sample, and its derivatives by alpha, beta and phi at a fixed gain, with Coulomb friction.
 
-    ``torque``, ``fading`` and ``decay`` as `follow_torque`. It sticks where the velocity is zero and the net drive at
-    most ``phi``; what fades within a hold can let it go there. Where it turns, the derivatives jump as the acceleration
-    does (the instant of turning moves); where it comes loose, nothing jumps. A fading torque can turn it for a part of
-    a hold: one such dip is looked for, where the acceleration's sign tells of it. ``first`` angle, rad, and ``speed``,
-    rad per sample. Fills ``angle`` (n,) rad and ``slopes`` (n, 3), or (n, 5): by first angle and speed, too.
+    All is given as to `follow_torque`. The knob sticks where the velocity is zero and the net drive at most ``phi``;
+    what fades within a hold can let it go there. Where it turns, the derivatives jump as the acceleration does (the
+    instant of turning moves); where it comes loose, nothing jumps. A fading torque can turn it for a part of a hold:
+    one such dip is looked for, where the acceleration's sign tells of it. Fills ``angle`` (n,) rad and ``slopes``
+    (n, 3), or (n, 5): by first angle and speed, too.
     """
+    torque, fading, decay = pull
+    gain, alpha, beta, phi = plant
     whole = hold_derivatives(alpha, beta, decay, 1.0)
     x, v, xa, va, xb, vb, xf, vf = first, speed, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     xx, vx, xv, vv = 1.0, 0.0, 0.0, 1.0

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from hknob_cli.engine.pulse import Coefficients, Pull
 from hknob_cli.recordings.trial import Array
 
 RAMP = 1e-7  # per sample: what is left of a straight line's curvature
@@ -76,19 +77,18 @@ def respond_with_slopes(
     if decay > 0.0:
         torque = torque - fading if ramps else torque
     with np.errstate(over="ignore", invalid="ignore"):
-        if friction:
-            kernels["follow_with_friction"](torque, fading, decay, gain, alpha, beta, phi, first, speed, angle, slopes)
-        else:
-            kernels["follow_torque"](torque, fading, decay, gain, alpha, beta, first, speed, angle, slopes)
+        follow = kernels["follow_with_friction" if friction else "follow_torque"]
+        follow(Pull(torque, fading, decay), Coefficients(gain, alpha, beta, phi), first, speed, angle, slopes)
         by_alpha, by_beta, by_phi = slopes.T[:3]
         # The response is of first degree in torque, friction and start together: gain d/dgain + phi d/dphi
         # + first d/dfirst + speed d/dspeed leaves it as is.
         forced = angle if start is None else angle - first * slopes[:, 3] - speed * slopes[:, 4]
-        by_log_inertia = -(forced + alpha * by_alpha + beta * by_beta)
-        by = [by_log_inertia, by_alpha * (dt_s / plant.inertia), by_beta * gain, by_phi * gain]
+        by = np.empty((len(torque), 4 if start is None else 6))
+        by[:, 0] = -(forced + alpha * by_alpha + beta * by_beta)
+        by[:, 1], by[:, 2], by[:, 3] = by_alpha * (dt_s / plant.inertia), by_beta * gain, by_phi * gain
         if start is not None:
-            by += [slopes[:, 3], slopes[:, 4] * dt_s]
-    return angle, np.stack(by, axis=1)
+            by[:, 4], by[:, 5] = slopes[:, 3], slopes[:, 4] * dt_s
+    return angle, by
 
 
 def _fading(torque: Array, decay: float, *, ramps: bool) -> tuple[float, Array]:

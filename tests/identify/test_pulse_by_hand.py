@@ -7,6 +7,7 @@ import pytest
 from scipy.linalg import expm
 
 from hknob_cli.engine import pulse, pulse_friction
+from hknob_cli.engine.pulse import Coefficients, Pull
 from hknob_cli.engine.pulse_friction import follow_with_friction, turning_time
 
 TORQUE = np.array([0.5, -1.0, 2.0, 0.25, 0.0, -0.75, 1.5, 0.0])
@@ -28,7 +29,9 @@ def test_a_response_and_its_slopes_are_those_of_the_motion() -> None:
     """By complex steps through the matrix's exponential: by damping and stiffness, by first angle and speed."""
     n = len(TORQUE)
     angle, slopes = np.zeros(n), np.zeros((n, 5))
-    pulse.follow_torque(TORQUE, np.zeros(0), 0.0, GAIN, ALPHA, BETA, FIRST, SPEED, angle, slopes)
+    pulse.follow_torque(
+        Pull(TORQUE, np.zeros(0), 0.0), Coefficients(GAIN, ALPHA, BETA, 0.0), FIRST, SPEED, angle, slopes
+    )
     assert angle == pytest.approx(angles(ALPHA, BETA).real, rel=1e-12, abs=1e-13)
     h = 1e-30
     for column, found in (
@@ -43,7 +46,9 @@ def test_a_response_and_its_slopes_are_those_of_the_motion() -> None:
 def test_without_friction_one_that_turns_moves_as_one_that_does_not() -> None:
     n = len(TORQUE)
     angle, slopes = np.zeros(n), np.zeros((n, 3))
-    follow_with_friction(TORQUE, np.zeros(0), 0.0, GAIN, ALPHA, BETA, 0.0, FIRST, SPEED, angle, slopes)
+    follow_with_friction(
+        Pull(TORQUE, np.zeros(0), 0.0), Coefficients(GAIN, ALPHA, BETA, 0.0), FIRST, SPEED, angle, slopes
+    )
     assert angle == pytest.approx(angles(ALPHA, BETA).real, rel=1e-11, abs=1e-12)
 
 
@@ -51,7 +56,7 @@ def test_friction_stops_a_knob_that_was_pushed() -> None:
     """Pushed by 6 against 1 for two samples it has come 10, at 10; it takes 10 more to stop, after 50 more."""
     torque, phi = np.array([3.0, 3.0, *[0.0] * 14]), 1.0
     angle, slopes = np.zeros(16), np.zeros((16, 3))
-    follow_with_friction(torque, np.zeros(0), 0.0, 2.0, 0.0, 0.0, phi, 0.0, 0.0, angle, slopes)
+    follow_with_friction(Pull(torque, np.zeros(0), 0.0), Coefficients(2.0, 0.0, 0.0, phi), 0.0, 0.0, angle, slopes)
     wanted = [0.0, 2.5, *(10.0 + 10.0 * t - 0.5 * t * t for t in range(11)), 60.0, 60.0, 60.0]
     assert angle == pytest.approx(wanted, rel=1e-13)
     # The way is 2 (6 - phi), and 2 (6 - phi)^2 / phi more: by friction -2, and -20 - 50 more.

@@ -45,9 +45,9 @@ def test_slopes_of_the_angle_are_a_complex_steps(lag: float) -> None:
         p[which] += 1e-30j * size if which == 0 else 1e-30j
         angle, scratch = np.zeros(len(torque), complex), np.zeros((len(torque), 3), complex)
         gain = 1e-8 / p[0]
-        source.follow_torque(
-            torque, fading, 1e-4 / lag if lag else 0.0, gain, p[1] * 1e-4 / p[0], p[2] * gain, 0.0, 0.0, angle, scratch
-        )
+        pull = source.Pull(torque, fading, 1e-4 / lag if lag else 0.0)
+        plant = source.Coefficients(gain, p[1] * 1e-4 / p[0], p[2] * gain, 0.0)
+        source.follow_torque(pull, plant, 0.0, 0.0, angle, scratch)
         exact = angle.imag * 1e30
         assert np.max(np.abs(slopes[:, column] - exact)) <= 1e-11 * np.max(np.abs(exact))
 
