@@ -10,7 +10,7 @@ from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.ensemble import begin
 from hknob_cli.engine.general.jitter import begin_clock, jitters, next_span
 from hknob_cli.engine.general.search import as_compiled, as_list
-from hknob_cli.engine.general.trace import run
+from hknob_cli.engine.general.trace import Rows, run
 from hknob_cli.engine.jit import compiled as compiled_functions
 from hknob_cli.errors import ComputationError
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
@@ -84,10 +84,9 @@ def follow_knob(
     begin_clock(wall.clock, 0.0)
     while True:  # an interval may take seconds
         count = min(max(done, 1), samples - done)
-        some, acting = zeros((count + 1) * order), zeros(count + 1)
-        before, head = through(state, before, ring, head, count, body, wall, pad, some, acting)
-        table[done : done + count + 1] = np.asarray(some).reshape(count + 1, order)
-        torques[done : done + count + 1] = acting
+        part = slice(done, done + count + 1)
+        rows = Rows(table[part].reshape(-1), torques[part])
+        before, head = through(state, before, ring, head, body, wall, pad, rows)
         done += count
         if done == samples:
             break

@@ -14,6 +14,7 @@ import pytest
 from hknob_cli.engine.attractors import Attractor
 from hknob_cli.engine.general.body import norm
 from hknob_cli.engine.general.search import GeneralEngine, as_arrays, as_compiled
+from hknob_cli.engine.general.trace import Rows
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
@@ -67,10 +68,10 @@ def run(knob: GeneralKnob, state: Any, before: float, line: Any, samples: int) -
     """States at samples, (samples + 1, n)."""
     through: Any = compiled("general")["general.run"]
     n = knob.body.order
-    states, torques = np.zeros((samples + 1) * n), np.zeros(samples + 1)
+    rows = Rows(np.zeros((samples + 1) * n), np.zeros(samples + 1))
     work = np.array(state, dtype=np.float64), np.array(line, dtype=np.float64)
-    through(work[0], before, work[1], 0, samples, *as_compiled(knob.body, knob.wall), np.zeros(2 * n), states, torques)
-    return states.reshape(samples + 1, n)
+    through(work[0], before, work[1], 0, *as_compiled(knob.body, knob.wall), np.zeros(2 * n), rows)
+    return np.asarray(rows.states).reshape(samples + 1, n)
 
 
 @pytest.mark.parametrize("name", [name for name in SCENES if SCENES[name][2] and name != "rest"])

@@ -17,6 +17,7 @@ import pytest
 
 from hknob_cli.engine.attractors import Attractor
 from hknob_cli.engine.general.search import GeneralEngine, as_compiled
+from hknob_cli.engine.general.trace import Rows
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.general_orbit import GeneralMeasurer
@@ -93,11 +94,11 @@ def positions(found: Found) -> np.ndarray:
     """Positions of the package's orbit at its samples, counts, (period + 1,)."""
     through: Any = compiled("general")["general.run"]
     n, one = found.knob.body.order, found.orbit
-    states, torques = np.zeros((one.period + 1) * n), np.zeros(one.period + 1)
+    rows = Rows(np.zeros((one.period + 1) * n), np.zeros(one.period + 1))
     state, line = np.array([one.x, one.v, *one.state]), np.array(one.line, dtype=np.float64)
     body, wall = as_compiled(found.knob.body, found.knob.wall)
-    through(state, one.before, line, 0, one.period, body, wall, np.zeros(2 * n), states, torques)
-    return states[::n]
+    through(state, one.before, line, 0, body, wall, np.zeros(2 * n), rows)
+    return np.asarray(rows.states[::n])
 
 
 def check(found: Found) -> dict[str, float]:

@@ -14,7 +14,7 @@ from hknob_cli.engine.attractors import Patience
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.search import GeneralEngine, as_list
 from hknob_cli.engine.general.torque_table import run_at
-from hknob_cli.engine.general.trace import run
+from hknob_cli.engine.general.trace import Rows, run
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.general_orbit import GeneralMeasurer
@@ -161,7 +161,7 @@ def check_orbits(case: Case) -> tuple[int, int]:
         n = knob.body.order
         states, torques = [0.0] * ((one.period + 1) * n), [0.0] * (one.period + 1)
         wall, state, line = as_list(knob.wall), [one.x, one.v, *one.state], list(one.line)
-        run(state, one.before, line, 0, one.period, knob.body, wall, [0.0] * (2 * n), states, torques)
+        run(state, one.before, line, 0, knob.body, wall, [0.0] * (2 * n), Rows(states, torques))
         gaps = []
         for x, y in zip(states[::n], exact, strict=True):
             size = float(np.ptp(states[::n]) + np.abs(states[::n]).max()) + max(map(abs, torques))

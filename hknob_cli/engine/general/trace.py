@@ -13,12 +13,21 @@ from hknob_cli.engine.general.slide_two import way
 from hknob_cli.engine.general.slopes import cog_chart
 
 
-def run(z, before, ring, head, samples, body, wall, pad, states, torques):
-    """Run ``samples`` intervals: ``(reading before, head)``.
+class Rows(NamedTuple):
+    """A motion sample by sample, lists or arrays; counts and sample periods.
 
-    ``states`` takes the state at every sample, (samples + 1) times the order; ``torques`` what acts just after it.
+    ``states`` takes the state at every sample, one after the other; ``torques``, counts per sample², what acts just
+    after it.
     """
-    n, delay = body.order, len(ring)
+
+    states: Any
+    torques: Any
+
+
+def run(z, before, ring, head, body, wall, pad, rows):
+    """Run as many intervals as ``rows`` has samples but one: ``(reading before, head)``."""
+    states, torques = rows
+    n, delay, samples = body.order, len(ring), len(torques) - 1
     for i in range(samples + 1):
         for j in range(n):
             states[i * n + j] = z[j]

@@ -7,7 +7,7 @@ import pytest
 
 from hknob_cli.engine.general import trace
 from hknob_cli.engine.general.jitter import begin_clock, next_span
-from hknob_cli.engine.general.trace import Pieces, chart, chart_period, run
+from hknob_cli.engine.general.trace import Pieces, Rows, chart, chart_period, run
 
 from .bodies import knob
 
@@ -94,7 +94,7 @@ def test_what_acts_at_a_sample_is_the_oldest_that_is_under_way(
     """From -1.5 at rest, where 2 is commanded; up to a delay's part of the interval the one before acts."""
     wall, states, torques = WALL._replace(split=split), [7.0] * 4, [7.0] * 2
     z = [-1.5, 0.0]
-    run(z, -2.0, list(ring), 0, 1, delayed(split), wall, [0.0] * 4, states, torques)
+    run(z, -2.0, list(ring), 0, delayed(split), wall, [0.0] * 4, Rows(states, torques))
     assert states[2:] == z
     x, v = -1.5, 0.0
     for torque, span in pulls:
@@ -117,7 +117,7 @@ def test_a_line_of_three_is_gone_through() -> None:
 def test_a_lag_acts_in_place_of_what_is_commanded() -> None:
     lagged = knob(hand={}, actuator={"time_constant": 1e-3})
     states, torques = [7.0] * 6, [7.0] * 2
-    run([-1.5, 0.0, 0.5], -2.0, [], 0, 1, lagged.body, lagged.wall, [0.0] * 6, states, torques)
+    run([-1.5, 0.0, 0.5], -2.0, [], 0, lagged.body, lagged.wall, [0.0] * 6, Rows(states, torques))
     assert torques == [0.5, states[5]]
     assert states[:3] == [-1.5, 0.0, 0.5]
     # Towards what is commanded, by 1 - 1/e in a time constant.
