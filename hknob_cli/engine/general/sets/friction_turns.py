@@ -9,6 +9,8 @@ first state. So the highest place is convex in that, as without friction (`swing
 the same bounds (`parts.cut_by_turns`), before it moves.
 """
 
+from typing import NamedTuple
+
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.controller import read, told
 from hknob_cli.engine.general.sets.convex import MOST_CORNERS, drop_edge, keep_side
@@ -42,6 +44,17 @@ ROUNDED = 64.0  # units in the last place of all terms of a place
 NONE_STOPS = False, 0.0, 0.0
 
 
+class Ahead(NamedTuple):
+    """The part of a hold that a set is to be moved over.
+
+    ``hold``: its length and the plant's coefficients over it; ``free``: the least and the most torque in it, with what
+    drives the knob, counts per sample².
+    """
+
+    hold: Hold
+    free: tuple[float, float]
+
+
 def farthest(px, pv, pull, hold, body):
     """The farthest place of a motion that slides on at ``pull`` over a hold, and when: ``(place, time)``."""
     end, at = hold.f * pv + hold.s * pull, 0.0
@@ -70,15 +83,16 @@ def may_stop(sign, shape, pull_free, slack, hold, body):
     return begins and others
 
 
-def measure_stops(sign, shape, free, slack, hold, body, places):
+def measure_stops(sign, shape, ahead, slack, body, places):
     """Enter where the states stop that slide in direction ``sign``: ``(whether one may, farthest, least far)``.
 
-    ``free``: least and most torque, with what drives the knob. The farthest motion slides under the greater one; one
-    that is held for a time, and then goes on, comes less far. ``places`` takes, of each corner, its farthest place, and
+    The farthest motion slides under the greater torque; one that is held for a time, and then goes on, comes less far.
+    ``places`` takes, of each corner, its farthest place, and
     that at the time when the middle of all is there: the first two of `swings.PLACES` in direction 1, the next two in
     direction -1. All are told in that direction.
     """
     x, v, corners, count = shape
+    hold, free = ahead
     beta = body.beta
     near, far = sign * free[0] - body.friction, sign * free[1] - body.friction
     if sign < 0.0:
@@ -123,48 +137,48 @@ def slack_of(shape, free, error, body):
     return DOUBT * error + ROUNDED * EPSILON * size
 
 
-def plan_counts(turns, count, side, shape, free, error, hold, body, wall):
+def plan_counts(turns, count, side, shape, ahead, error, body, wall):
     """By what a set is cut over a hold, as `swings.plan_parts`, and the room of its places: ``(plan, room, unsure)``.
 
-    ``side``: 1 or -1 where only what begins by moving up or down stops; ``free``: least and most torque, with what
-    drives the knob; ``error``: of the set's states, in `body.norm`; ``unsure``: whether torques that are nearer to each
-    other would tell more. Where they differ by less than the friction level, no state that has turned round leaves
-    again once it stands: that would take twice the friction.
+    ``side``: 1 or -1 where only what begins by moving up or down stops; ``error``: of the set's states, in `body.norm`;
+    ``unsure``: whether torques that are nearer to each other would tell more. Where they differ by less than the
+    friction level, no state that has turned round leaves again once it stands: that would take twice the friction.
     """
-    apart = free[1] - free[0]
-    slack = slack_of(shape, free, error, body)
+    apart = ahead.free[1] - ahead.free[0]
+    slack = slack_of(shape, ahead.free, error, body)
     room = body.reach * slack + ROUNDED * EPSILON * abs(shape.x)
     up, down = NONE_STOPS, NONE_STOPS
     if side >= 0.0:
-        up = measure_stops(1.0, shape, free, slack, hold, body, turns.places)
+        up = measure_stops(1.0, shape, ahead, slack, body, turns.places)
     if side <= 0.0:
-        down = measure_stops(-1.0, shape, free, slack, hold, body, turns.places)
+        down = measure_stops(-1.0, shape, ahead, slack, body, turns.places)
     above, top = counts_after(1.0, up, count, room, wall)
     below, bottom = counts_after(-1.0, down, count, room, wall)
     unsure = (up[0] or down[0]) and apart > body.friction
     if top > count and bottom < count:
         return (0, bottom, top), room, unsure
     # By how much torques part places, beside how far those of the set lie apart.
-    far = hold.g * apart
+    far = ahead.hold.g * apart
     if bottom < count:
         return (-1, bottom, below), room, unsure or (bottom < below and far > room and 4.0 * far > down[1] - down[2])
     return (1, above, top), room, unsure or (above < top and far > room and 4.0 * far > up[1] - up[2])
 
 
 def part_ahead(work, part, body):
-    """The part of a hold that a set is to be moved over: itself, and the least and the most torque in it.
+    """The part of a hold that a set is to be moved over: an `Ahead`.
 
-    ``work.acts`` tells the torque, and which half of it; the torque is told with what drives the knob.
+    ``work.acts`` tells the torque, and which half of the hold.
     """
     leg = int(part) * LEG
     u = work.torques[int(work.course[leg + TORQUE])] + body.drive
     if work.lags is None:
-        return Hold(work.course[leg + SPAN], work.course[leg + S], work.course[leg + G], work.course[leg + F]), (u, u)
+        hold = Hold(work.course[leg + SPAN], work.course[leg + S], work.course[leg + G], work.course[leg + F])
+        return Ahead(hold, (u, u))
     at = int(work.halves[int(part)]) + int(work.acts[DEPTH - LATE]) * LAGS
     lagged = plain_of(work.lags[at : at + LAGS])
     a, apart = work.acts[0] + body.drive, work.acts[1]
     end = u + (a - u) * work.lags[at + LEFT]
-    return lagged, (min(a, end) - apart, max(a, end) + apart)
+    return Ahead(lagged, (min(a, end) - apart, max(a, end) + apart))
 
 
 def part_ways(work, at, place, cuts, count, slack):
@@ -190,18 +204,18 @@ def tell_count(work, at, place, cuts, count, error, cell):
     if work.acts[TOLD - LATE] == part + 1.0:
         return at, False
     shown, side, shape = work.acts[SHOWN - LATE], work.acts[SIDE - LATE], Shape(x, v, work.corners, count)
-    hold, free = part_ahead(work, part, body)
-    plan, reach, unsure = plan_counts(turns, shown, side, shape, free, error, hold, body, watch)
+    ahead = part_ahead(work, part, body)
+    plan, reach, unsure = plan_counts(turns, shown, side, shape, ahead, error, body, watch)
     while unsure and work.lags is not None and work.acts[DEPTH - LATE] < DEEPEST:
         work.acts[DEPTH - LATE] += 1.0
-        hold, free = part_ahead(work, part, body)
-        plan, reach, unsure = plan_counts(turns, shown, side, shape, free, error, hold, body, watch)
-    if unsure and free[1] - free[0] > body.friction:
+        ahead = part_ahead(work, part, body)
+        plan, reach, unsure = plan_counts(turns, shown, side, shape, ahead, error, body, watch)
+    if unsure and ahead.free[1] - ahead.free[0] > body.friction:
         return -1, False
     way, level, last = plan
     room_for = room_for_sets(work)
     if way == 0 and cuts < MOST_CUTS and at + 2 <= room_for:
-        return part_ways(work, at, place, cuts, count, slack_of(shape, free, error, body)), True
+        return part_ways(work, at, place, cuts, count, slack_of(shape, ahead.free, error, body)), True
     work.acts[TOLD - LATE], work.acts[SIDE - LATE] = part + 1.0, 0.0
     if level == last:
         work.acts[SHOWN - LATE] = level

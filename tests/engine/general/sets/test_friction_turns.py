@@ -19,7 +19,7 @@ from hknob_cli.engine.general.sets.friction_piece import move_piece
 from hknob_cli.engine.general.sets.friction_room import make_friction_room
 from hknob_cli.engine.general.sets.friction_search import FrictionSetEngine
 from hknob_cli.engine.general.sets.friction_step import Hold, Shape
-from hknob_cli.engine.general.sets.friction_turns import counts_after, farthest, may_stop, measure_stops
+from hknob_cli.engine.general.sets.friction_turns import Ahead, counts_after, farthest, may_stop, measure_stops
 from hknob_cli.engine.general.sets.law_search import LawSetEngine
 from hknob_cli.engine.general.sets.piece import BEFORE, COUNT, STATE
 from hknob_cli.engine.general.sets.turns import highest_at, level_at, lowest_at
@@ -146,7 +146,7 @@ def test_the_highest_place_of_each_state_is_between_the_bounds_of_its_set(seed: 
     high = low + float(chance.uniform(0.0, 1.0)) * body.friction
     for sign in (1.0, -1.0):
         near, far = sorted((sign * low, sign * high))
-        some, most, least = measure_stops(sign, shape, (low, high), 0.0, hold, body, [0.0] * 20)
+        some, most, least = measure_stops(sign, shape, Ahead(hold, (low, high)), 0.0, body, [0.0] * 20)
         for dx, dv in states_of(corners, 4, seed):
             px, pv = sign * (shape.x + dx), sign * (shape.v + dv)
             if pv < 0.0:
