@@ -74,9 +74,11 @@ def reduce(one: Drawn) -> LawKnob:
     return make_law(plain, sample_rate_hz=one.rate_hz, counts_per_rev=one.counts)
 
 
-def search(one: Drawn, made: LawKnob, phases: int = 4) -> tuple[LawEngine, tuple[Attractor, ...]]:
-    """What trials from 20 mrad settle to, and the engine that found it."""
-    engine = LawEngine(made.law, compiled("laws"))
+def search(
+    one: Drawn, made: LawKnob, phases: int = 4, *, in_code: bool = True
+) -> tuple[LawEngine, tuple[Attractor, ...]]:
+    """What trials from 20 mrad settle to, and the engine that found it; ``in_code``: a compiled one."""
+    engine = LawEngine(made.law, compiled("laws") if in_code else None)
     found = engine.search(
         made.knob.body,
         made.knob.wall,

@@ -512,7 +512,7 @@ def derive(one: Case, found: Followed) -> float:
         assert one.counts
         assert isinstance(found.engine, LawEngine)
         drawn = Drawn("", one.parts, one.scene, one.rate_hz, one.counts)
-        return check_orbit(drawn, found.made, found.engine, end)[1]
+        return check_orbit(drawn, found.made, end)[1]
     solved = solve(one.scene, one.rate_hz, one.counts, knob, end)
     assert solved.closes, f"does not close: {one}"
     unit = solved.control.quantum or mp.mpf(knob.quantum_rad)

@@ -82,7 +82,7 @@ def test_proven_cycles_beside_a_controller_on_one_flank() -> None:
         found.append([(end.period, each.p2p_rad) for end, each in zip(cycles, measured, strict=True)])
         for end in cycles:
             if end.period <= SHORT and backlash == 0.005:
-                check_orbit(one, made, engine, end)
+                check_orbit(one, made, end)
     assert found[0]
     for other in found[1:]:
         assert np.array(other) == pytest.approx(np.array(found[0]), rel=1e-9)

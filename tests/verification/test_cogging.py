@@ -184,8 +184,7 @@ class Cell:
             delay_line=self.knob.delay_line,
             max_samples=16384,
         ).attractors
-        measurer = GeneralMeasurer(self.knob, self.engine)
-        self.measures = [measurer.measure(one) for one in self.found]
+        self.measurer = GeneralMeasurer(self.knob, self.engine)
 
 
 @cache
@@ -260,8 +259,9 @@ def test_energy_of_cycles_over_corners() -> None:
     """Cogging gives back what it takes: the wall's work is what damping takes, to 1e-9, over corners, too."""
     over = 0
     for cell in cells():
-        for end, measured in zip(cell.found, cell.measures, strict=True):
+        for end in cell.found:
             if end.outcome is Outcome.CYCLE:
+                measured = cell.measurer.measure(end)
                 lost = measured.damping_loss_j + (measured.friction_loss_j if cell.knob.body.friction else 0.0)
                 assert measured.wall_work_j == pytest.approx(lost, rel=1e-9)
                 over += corners_passed(cell, end) > 0
@@ -333,7 +333,8 @@ def test_a_cycle_is_proven_on_either_side_of_a_corner_and_with_less_room_than_th
 def test_an_unstable_slope_keeps_the_knob_moving_and_parts_motions_as_its_rates_say() -> None:
     """The exponent is the unstable root of J s² + b s + k less the slope, as no command tells neighbours apart."""
     cell = Cell(scene(knob={"coulomb_torque": 0.0}, cogging={**FEW, "centre": 0.0374}))
-    (end,), (measured,) = cell.found, cell.measures
+    (end,) = cell.found
+    measured = GeneralMeasurer(cell.knob, GeneralEngine()).measure(end)
     assert (end.outcome, end.reason) == (Outcome.UNDECIDED, Reason.NO_REPEAT)
     inertia, damping = 1.98e-6 + 3e-7, 3.45e-4 + 1.1e-5
     spring = 0.04 - 2.0 * FEW["torque"] * FEW["per_revolution"] / pi

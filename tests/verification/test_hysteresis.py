@@ -155,7 +155,7 @@ def check_controlled(drawn: list[Drawn]) -> tuple[int, int]:
         for orbit in attractors:
             assert made.law.provable or not orbit.certified
             if orbit.outcome is Outcome.CYCLE and orbit.certified and orbit.period <= LONGEST:
-                check_orbit(one, made, engine, orbit)
+                check_orbit(one, made, orbit)
                 balance(made, engine, orbit, one)
                 cycles += 1
     return trials, cycles

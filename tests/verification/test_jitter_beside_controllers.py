@@ -12,8 +12,12 @@ import numpy as np
 import pytest
 
 from hknob_cli.controllers.scalar_law import LawKnob, make_law
+from hknob_cli.engine.general.controller import read
+from hknob_cli.engine.general.ensemble import begin
+from hknob_cli.engine.general.jitter import begin_clock
 from hknob_cli.engine.general.laws.search import LawEngine
-from hknob_cli.engine.general.search import as_compiled
+from hknob_cli.engine.general.laws.step import advance_jittering_with_law, begin_past
+from hknob_cli.engine.general.search import as_list
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.measure.general_orbit import LawMeasurer
@@ -47,19 +51,17 @@ def made_of(parts: dict[str, Any]) -> LawKnob:
 
 
 def run(made: LawKnob, samples: int = SAMPLES) -> np.ndarray:
-    """Positions at the samples of a trial from 20 mrad, by compiled code."""
-    functions: Any = compiled("laws")
-    knob, engine = made.knob, LawEngine(made.law, compiled("laws"))
-    body, wall = as_compiled(knob.body, knob.wall._replace(clock=knob.wall.clock.copy()))
-    law = engine.law_beside(body)
-    z, past, pad = np.zeros(body.order), np.zeros(engine.past_length), np.zeros(2 * body.order)
-    functions["general.begin"](z, np.array(knob.start(0.02, -0.5)), PHASE, body, pad)
-    functions["general.laws.begin_past"](past, functions["general.read"](z[0], wall), law)
-    functions["general.begin_clock"](wall.clock, 0.0)
+    """Positions at the samples of a trial from 20 mrad; interpreted, as so few do not repay a compiler."""
+    knob, law = made.knob, made.law
+    body, wall = knob.body, as_list(knob.wall)
+    z, past, pad = [0.0] * body.order, [0.0] * len(law.beside), [0.0] * (2 * body.order)
+    begin(z, knob.start(0.02, -0.5), PHASE, body, pad)
+    begin_past(past, read(z[0], wall), law)
+    begin_clock(wall.clock, 0.0)
     found = []
     for _ in range(samples):
         found.append(z[0])
-        functions["general.laws.advance_jittering_with_law"](z, past, body, wall, law, pad)
+        advance_jittering_with_law(z, past, body, wall, law, pad)
     return np.array(found)
 
 

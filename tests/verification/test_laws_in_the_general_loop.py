@@ -13,9 +13,11 @@ import numpy as np
 import pytest
 
 from hknob_cli.engine.attractors import Attractor
+from hknob_cli.engine.general.controller import read
+from hknob_cli.engine.general.ensemble import begin
 from hknob_cli.engine.general.laws.search import LawEngine
-from hknob_cli.engine.general.search import as_compiled
-from hknob_cli.engine.jit import compiled
+from hknob_cli.engine.general.laws.step import advance_with_law, begin_past
+from hknob_cli.engine.general.search import as_list
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.general_orbit import LawMeasurer
 from tests import digits as mp
@@ -42,31 +44,29 @@ def scenes(controller: str, count: int, seed: int = 0) -> list[Drawn]:
     return [draw(numbers, controller) for _ in range(count)]
 
 
-def run(engine: LawEngine, made: Any, state: Any, past: Any, samples: int) -> tuple[np.ndarray, np.ndarray]:
-    """States at samples, (samples + 1, n), and counts at each and at the looks after it, (samples, 1 + looks)."""
-    n, law = made.knob.body.order, made.law
-    functions: Any = compiled("laws")
-    z, memory = np.array(state, dtype=np.float64), np.array(past, dtype=np.float64)
-    states, looks = [z.copy()], []
-    (body, wall), pad = as_compiled(made.knob.body, made.knob.wall), np.zeros(2 * n)
-    loop_law = engine.law_beside(body)
+def run(made: Any, state: Any, past: Any, samples: int) -> tuple[np.ndarray, np.ndarray]:
+    """States at samples, (samples + 1, n), and counts at each and at the looks after it, (samples, 1 + looks).
+
+    Interpreted: so few samples do not repay a compiler.
+    """
+    body, wall, law = made.knob.body, as_list(made.knob.wall), made.law
+    z, memory = [float(value) for value in state], [float(value) for value in past]
+    states, looks, pad = [z.copy()], [], [0.0] * (2 * body.order)
     for _ in range(samples):
-        functions["general.laws.advance_with_law"](z, memory, body, wall, loop_law, pad)
+        advance_with_law(z, memory, body, wall, law, pad)
         states.append(z.copy())
-        looks.append(memory[law.rows : law.rows + 1 + law.looks].copy())
+        looks.append(memory[law.rows : law.rows + 1 + law.looks])
     return np.array(states), np.array(looks)
 
 
 def check_trial(one: Drawn) -> float:
     """The largest error of a trial's position over its size; NaN where rounding may decide from the start."""
     made = reduce(one)
-    knob, engine = made.knob, LawEngine(made.law, compiled("laws"))
-    functions: Any = compiled("laws")
-    z, past, phase = np.zeros(knob.body.order), np.zeros(engine.past_length), 0.37
-    body, wall = as_compiled(knob.body, knob.wall)
-    functions["general.begin"](z, np.array(knob.start(0.02, -0.5)), phase, body, np.zeros(2 * len(z)))
-    functions["general.laws.begin_past"](past, functions["general.read"](z[0], wall), engine.law_beside(body))
-    states, _ = run(engine, made, z, past, SAMPLES)
+    knob, order, phase = made.knob, made.knob.body.order, 0.37
+    z, past = [0.0] * order, [0.0] * len(made.law.beside)
+    begin(z, knob.start(0.02, -0.5), phase, knob.body, [0.0] * (2 * order))
+    begin_past(past, read(z[0], as_list(knob.wall)), made.law)
+    states, _ = run(made, z, past, SAMPLES)
     trial = simulate_law(one.scene, one.rate_hz, one.counts, angle=0.02, velocity=-0.5, phase=phase)
     worst, size = float("nan"), float(np.abs(states[:, 0]).max())
     for i in range(SAMPLES):
@@ -79,12 +79,12 @@ def check_trial(one: Drawn) -> float:
     return worst
 
 
-def check_orbit(one: Drawn, made: Any, engine: LawEngine, orbit: Attractor) -> tuple[float, float]:
+def check_orbit(one: Drawn, made: Any, orbit: Attractor) -> tuple[float, float]:
     """Derive a proven cycle again: the largest error of a position, counts, and that over the bound it was given."""
     knob, n = made.knob, orbit.period
     bodies, control = build(one.scene, sample_rate_hz=one.rate_hz, counts_per_rev=one.counts)
     state = [orbit.x, orbit.v, *orbit.state]
-    states, between_counts = run(engine, made, state, orbit.line, n)
+    states, between_counts = run(made, state, orbit.line, n)
     seen = states[:, 0]
     z = to_si(knob, control, state, bodies)
     corners = 0
@@ -183,7 +183,7 @@ def proven(controller: str, count: int, seed: int = 0) -> list[tuple[float, floa
         engine, attractors = search(one, made)
         for orbit in attractors:
             if orbit.outcome is Outcome.CYCLE and orbit.certified and orbit.period <= LONGEST:
-                found.append(check_orbit(one, made, engine, orbit))
+                found.append(check_orbit(one, made, orbit))
                 balance(made, engine, orbit, one)
     return found
 
@@ -215,10 +215,10 @@ def test_a_winding_beside_a_controller(controller: str, winding: str) -> None:
         wound = one._replace(scene={**one.scene, "actuator": actuator, "motor": motor})
         check_trial(wound)
         made = reduce(wound)
-        engine, attractors = search(wound, made)
+        _, attractors = search(wound, made)
         for orbit in attractors:
             if orbit.outcome is Outcome.CYCLE and orbit.certified and orbit.period <= LONGEST:
-                found.append(check_orbit(wound, made, engine, orbit))
+                found.append(check_orbit(wound, made, orbit))
     assert found, "no proven cycle: nothing was tested"
 
 
@@ -232,10 +232,10 @@ def test_a_dead_band(controller: str) -> None:
         banded = one._replace(scene={**one.scene, "actuator": actuator})
         clear.append(check_trial(banded))
         made = reduce(banded)
-        engine, attractors = search(banded, made)
+        _, attractors = search(banded, made)
         for orbit in attractors:
             if orbit.outcome is Outcome.CYCLE and orbit.certified and orbit.period <= LONGEST:
-                found.append(check_orbit(banded, made, engine, orbit))
+                found.append(check_orbit(banded, made, orbit))
     assert np.isfinite(clear).any()
     assert found, "no proven cycle: nothing was tested"
 

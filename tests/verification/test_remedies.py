@@ -139,7 +139,7 @@ def test_what_is_proven_is_what_the_reference_does_for_ever_after(seed: int) -> 
             settling = float(np.max(1.0 / -np.log(np.abs(eigenvalues(scene, rate, counts)))))
             transient = int(40.0 * max(settling, 1.0 / made.rate)) + 2000  # until it is captured, and from then on
             late = np.array([state[0] for state in islice(trial, transient, transient + 2 * end.period)])
-            states, _ = run(engine, made, [end.x, end.v, *end.state], end.line, end.period)
+            states, _ = run(made, [end.x, end.v, *end.state], end.line, end.period)
             orbit = np.array([knob.angle_rad(x) for x in states[:-1, 0]])
             size = np.abs(orbit).max() + knob.quantum_rad
             off = min(np.abs(np.roll(np.tile(orbit, 2), shift) - late).max() for shift in range(end.period))
