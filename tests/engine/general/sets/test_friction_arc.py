@@ -68,7 +68,7 @@ def rubbing(kind: str, level: float, rate: float) -> GeneralKnob:
     return sample_general(plain, sample_rate_hz=rate, counts_per_rev=1024)
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=20)
 @given(
     kind=st.sampled_from(sorted(KINDS)),
     level=st.sampled_from(LEVELS),
@@ -120,7 +120,7 @@ def follow_holds(one: GeneralKnob, room: Any, drift: Any, parts: Any, states: li
                 assert not stood or z[0] == was
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=25)
 @given(
     kind=st.sampled_from(sorted(KINDS)),
     level=st.sampled_from(LEVELS[1:]),

@@ -240,5 +240,6 @@ def test_a_set_of_one_state_remembers_what_a_trial_does(name: str) -> None:
         room.own[:], room.corners[:2] = [0.0] * len(room.own), [0.0, 0.0]
         waiting = move_piece(room, work, 0, centre(list(z), list(past), error=1e-14, level=level), 1, cell)
         advance_with_law(z, past, one.body, one.wall, law, [0.0] * 6)
-        found = [room.stack[k * len(room.own) + STATE :][: len(z) + length] for k in range(waiting)]
+        begins = [k * len(room.own) + STATE for k in range(waiting)]
+        found = [room.stack[at : at + len(z) + length] for at in begins]
         assert any(abs(piece[0] - z[0]) < 1e-9 and list(piece[len(z) :]) == list(past) for piece in found)
