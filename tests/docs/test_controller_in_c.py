@@ -56,7 +56,8 @@ def test_its_torques_are_those_of_the_block(counts: int, rate: float, tmp_path: 
 def test_its_torques_are_those_of_the_sweep_that_the_page_records(hknob: Command, tmp_path: Path) -> None:
     (tmp_path / "experiments").symlink_to(ROOT / "experiments")
     command = [block.text for block in blocks(PAGE) if block.language == "console"][-1].removeprefix("$ hknob ")
-    done = hknob(*shlex.split(command), "-q")
+    # The motion is that of one trial; sets of starts under a law would be compiled.
+    done = hknob(*shlex.split(command), "--set", "starts={angle: 0.02, phases: 8}", "-q")
     assert done.returncode == 0, done.stderr
     (script,) = (block.text for block in blocks(PAGE) if block.language == "python")
     found: dict[str, Any] = {}
