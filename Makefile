@@ -34,7 +34,7 @@ $(VENV)/.run: $(VENV)/.made pyproject.toml constraints.txt
 
 $(VENV)/.dev: $(VENV)/.made pyproject.toml constraints.txt
 	@echo "installing pinned dependencies, with those of the tests" >&2
-	@$(PIP) --editable '.[dev]'
+	@$(PIP) --no-compile --editable '.[dev]'
 	@touch $@ $(VENV)/.run
 
 $(VENV)/.docs: $(VENV)/.made pyproject.toml constraints.txt
@@ -67,10 +67,11 @@ smoke: $(VENV)/.run ## every kind of stage on a 3x3 grid, in seconds
 test: $(VENV)/.dev ## lint, types, prose, and the tests except the long ones; ends with what was left out, and why
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check --quiet .
-	@$(BIN)/mypy
 	@$(BIN)/codespell $(TEXTS)
 	@$(BIN)/python -m tests.docs.prose $(PAGES)
-	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder --compiled -rs -m 'not long'
+	@$(BIN)/mypy > $(VENV)/types.txt 2>&1 & types=$$!; \
+	    $(BIN)/python -m pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder --compiled -rs -m 'not long'; \
+	    tests=$$?; wait $$types; types=$$?; cat $(VENV)/types.txt; exit $$((tests ? tests : types))
 
 long: $(VENV)/.dev ## the tests that take minutes: dissertation, clusters, kills, odd inputs; ALL=1: every case
 	@$(BIN)/python -m pytest -n $(WORKERS) --compiled -rs -m long $(if $(ALL),,--draw $(DRAW))

@@ -1,5 +1,6 @@
 """Fixtures shared by all tests: specs as text, and sweeps of the main grid, run once."""
 
+import gc
 import os
 
 # As the command does, before anything loads numpy: matrices are small, and idle threads of linear algebra would only
@@ -24,6 +25,7 @@ from hknob_cli.specs.source import parse
 from hknob_cli.stages.sweep.run import SweepStage
 from hknob_cli.stages.sweep.tables import SweepTables
 from tests.drawn import REST, Draw
+from tests.either_end import from_either_end
 from tests.forked import HKNOB, Forks
 
 ROOT = Path(__file__).parent.parent
@@ -77,6 +79,18 @@ def pytest_sessionstart(session: pytest.Session) -> None:
         compile_share(EXPERIMENTS / "hand_on_knob.yaml", long=session.config.getoption("-m") != "not long")
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_collection(session: pytest.Session) -> Iterator[object]:
+    """Collect from this worker's end, and no garbage: what is collected stays, and is not looked at again."""
+    session.config.args = from_either_end(session.config.args, session.config.invocation_params.dir)
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
+
+
 @pytest.fixture
 def drawn(request: pytest.FixtureRequest) -> bool:
     """Whether only some of the long tests run, so that a series is to be short."""
@@ -85,7 +99,10 @@ def drawn(request: pytest.FixtureRequest) -> bool:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Order tests by how long those of their folder take; of a test with ``one_in(n)`` one case in n is not long."""
+    """Order tests by how long those of their folder take; of a test with ``one_in(n)`` one case in n is not long.
+
+    The order is the same from whichever end they were collected.
+    """
     before: Counter[str] = Counter()
     for item in items:
         one_in = item.get_closest_marker("one_in")
@@ -96,9 +113,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
                 item.add_marker(pytest.mark.drawn(REST))
             before[test] += 1
 
-    def place(item: pytest.Item) -> int:
+    def place(item: pytest.Item) -> tuple[int, Path]:
         folder = item.path.relative_to(ROOT / "tests").parts[0]
-        return FIRST.index(folder) if folder in FIRST else len(FIRST)
+        return FIRST.index(folder) if folder in FIRST else len(FIRST), item.path
 
     items.sort(key=place)
 
