@@ -1,24 +1,29 @@
 """The figure of basins on the page: a map a cell, with the shares of the attractors."""
 
 import re
-from pathlib import Path
 
 import pytest
 
 from hknob_cli.figures import draw, theme
 from hknob_cli.page.defaults import chapters_of
 from hknob_cli.results.result_set import MissingError, ResultSet
-from tests.conftest import SPEC
+from tests.conftest import SPEC, Command
+from tests.forked import Forks
 
 RANGES = SPEC.replace("{angle: 0.02, phases: 8}", "{angle: [-20 mrad, 20 mrad], velocity: [-2, 2]}")
 
 
-@pytest.fixture
-def evidence(hknob, spec_file, tmp_path: Path) -> ResultSet:
-    text = RANGES.replace("[1024]", "[512, 1024]")
-    assert hknob("sweep", spec_file(text + "basins: {points: 12}\n"), "-o", "mapped").returncode == 0
-    assert hknob("sweep", spec_file(RANGES), "-o", "unmapped").returncode == 0
-    return ResultSet({name: tmp_path / name for name in ("mapped", "unmapped")})
+@pytest.fixture(scope="module")
+def evidence(forks: Forks, tmp_path_factory: pytest.TempPathFactory) -> ResultSet:
+    root = tmp_path_factory.mktemp("basins")
+    hknob, spec = Command(forks, root), root / "spec.yaml"
+    for name, text in {
+        "mapped": RANGES.replace("[1024]", "[512, 1024]") + "basins: {points: 12}\n",
+        "unmapped": RANGES,
+    }.items():
+        spec.write_text(text)
+        assert hknob("sweep", spec, "-o", name).returncode == 0
+    return ResultSet({name: root / name for name in ("mapped", "unmapped")})
 
 
 def test_a_map_a_cell_with_sizes_and_shares(evidence: ResultSet) -> None:
