@@ -69,9 +69,7 @@ def test_phases_beside_the_ends_of_every_arc(
     knob = sample(scene, rate, counts)
     known, room = make_known(np.zeros, knob.delay_line), make_arc_room(np.zeros, knob.delay_line)
     x, v = knob.position(START_RAD), knob.speed(0.0)
-    _, arcs, undecided, _, covered, cut = follow_all(
-        x, v, knob.delay_line, 65_536, 200, 1e9, room, known, knob.loop, functions=compiled("sets")
-    )
+    _, arcs, undecided, _, covered, cut = follow_all(x, v, knob.delay_line, 65_536, 200, 1e9, room, known, knob.loop)
     assert cut
     assert undecided == 0.0
     assert 0.0 <= covered - 1.0 < 1e-7  # arcs overlap by what rounding may move their ends, and leave no gap
