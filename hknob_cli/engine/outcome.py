@@ -62,7 +62,8 @@ WORDS = {
     Reason.EXPANDS: "the period map is not shown to contract: nearby motions need not follow",
     Reason.CONSERVATIVE: "neither damping nor friction: the motion repeats, one of a continuum of its kind",
     Reason.PARTS: "teeth part in the cycle: it attracts to first order, but no bound on how far away is proven",
-    Reason.COGS: "cogging holds the knob on no slope all along: the cycle attracts to first order, which is no proof",
+    Reason.COGS: "it passes corners of cogging, or stays where cogging does not hold the knob, with too little room "
+    "for a proof: it attracts to first order",
     Reason.PARTS_OR_COGS: "teeth part, or no slope of cogging holds the knob all along: it attracts to first order, "
     "which is no proof",
     Reason.RACES: "grew beyond a thousand times its start and static depth, past 1024 corners of cogging a sample",

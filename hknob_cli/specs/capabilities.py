@@ -201,7 +201,7 @@ _TABLE = {
     "gear":            "PEPPP PPPPPPPP -EE~ ~P~--",
     "mesh":            "--P-P ---P-PP- -EE~ -----",
     "play":            "--E-E -------- -EE~ -----",
-    "cogging":         "--E-E -------- -EE~ -----",
+    "cogging":         "--P-P -------- -EE~ -----",
     "squeeze":         "PEPPP PPPPPPPP PEE~ ~P~--",
     "undamped":        "EEEEE --E----E EEE~ ~E~E-",
     "unheld":          "EEEPE --E----E EEE~ ~E~E-",
@@ -297,7 +297,7 @@ def verdict_of(parts: Iterable[str], column: str) -> tuple[str, str]:
     found += [
         (lower.verdict, f"{PARTS[one].title} with {PARTS[other].title}")
         for (one, other, where), lower in EXCEPTIONS.items()
-        if where == column and {one, other} <= there and there.isdisjoint(lower.unless)
+        if where == column and {one, other, *lower.beside} <= there and there.isdisjoint(lower.unless)
     ]
     return min(found, key=lambda one: LOWEST_FIRST.index(one[0]), default=(PROVEN, ""))
 

@@ -79,7 +79,7 @@ def _lines() -> Iterator[str]:
     yield from _table([COLUMNS[one].title for one in ENGINES], lambda part: [VERDICTS[part, one] for one in ENGINES])
     yield "\nTwo parts together can be less than each of them:\n"
     for (one, other, column), lower in EXCEPTIONS.items():
-        what = f"{PARTS[one].title} with {PARTS[other].title}"
+        what = " with ".join(PARTS[each].title for each in (one, other, *lower.beside))
         unless = f", unless there is {' or '.join(PARTS[each].title for each in lower.unless)}" if lower.unless else ""
         yield f"- {what}, {COLUMNS[column].title}: {WORDS[lower.verdict]}{unless}, because {lower.why}."
     yield "\n## Why parts are refused\n"

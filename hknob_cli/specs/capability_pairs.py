@@ -8,11 +8,15 @@ LOWEST_FIRST = REFUSED + ESTIMATED + EXACT + PROVEN
 
 
 class Lower(NamedTuple):
-    """The verdict of a pair of parts in a column, and why; ``unless`` a scene has one of these parts, too."""
+    """The verdict of a pair of parts in a column, and why.
+
+    ``unless`` a scene has one of these parts, too; and only ``beside`` all of these, where it is not of a refusal.
+    """
 
     verdict: str
     why: str
     unless: tuple[str, ...] = ()
+    beside: tuple[str, ...] = ()
 
 
 # Pairs of parts whose verdict in a column is lower than that of each of them.
@@ -32,6 +36,17 @@ EXCEPTIONS = {
         )
         for part in ("hysteresis", "backlash")
         for other, *unless in (("controller", "several_readings"), ("virtual_damping",), ("lag",), ("current_loop",))
+    },
+    ("cogging", "bare", "general"): Lower(EXACT, "a cycle that passes a corner is proven by counts"),
+    ("cogging", "speed_sensor", "laws"): Lower(
+        EXACT, "the torque follows a motion that is not affine"
+    ),
+    **{
+        (part, "cogging", column): Lower(
+            EXACT, "two motions over corners are let go at other times", beside=("friction",)
+        )
+        for part in ("finger", "coil", "mesh")
+        for column in ("general", "laws")
     },
     ("friction", "bare", "general"): Lower(EXACT, "the period map is not shown to contract"),
     ("friction", "speed_sensor", "laws"): Lower(EXACT, "the torque follows the motion, which is not affine"),

@@ -94,7 +94,7 @@ CHANGES: dict[str, dict[str, Any]] = {
     "gear": {"scene": {"gear": {"ratio": 2.5, "motor_inertia": 1e-8}}},
     "mesh": {"scene": {"gear": {"ratio": 2.5, "motor_inertia": 1e-8, "stiffness": 20.0, "mesh_damping": 1e-3}}},
     "play": {"scene": {"gear": {"ratio": 2.5, "motor_inertia": 1e-8, "stiffness": 20.0, "backlash": 0.002}}},
-    "cogging": {"scene": {"cogging": {"torque": 1e-3, "per_revolution": 84, "centre": 0.03}}},
+    "cogging": {"scene": {"cogging": {"torque": 3e-4, "per_revolution": 84, "centre": 0.03}}},
     "squeeze": {
         "scene": {
             "hand": {"inertia": None, "damping": None, "stiffness": None, "table": 1, "grip_n": 0.71},

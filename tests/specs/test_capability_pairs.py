@@ -9,6 +9,7 @@ from hknob_cli.specs.capabilities import (
     PARTS,
     PHASES,
     RANGES,
+    REFUSED,
     VERDICTS,
     takes,
     verdict_of,
@@ -23,10 +24,12 @@ def test_a_pair_is_less_than_each_of_its_parts() -> None:
     """And of parts and columns that there are."""
     for (one, other, column), lower in EXCEPTIONS.items():
         assert column in COLUMNS
-        assert {one, other, *lower.unless} <= set(PARTS)
+        assert {one, other, *lower.unless, *lower.beside} <= set(PARTS)
+        assert not (lower.beside and lower.verdict == REFUSED)
         for part in (one, other):
             assert LOWEST_FIRST.index(lower.verdict) < LOWEST_FIRST.index(VERDICTS[part, column])
-        assert verdict_of({one, other}, column)[0] == lower.verdict
+        assert verdict_of({one, other, *lower.beside}, column)[0] == lower.verdict
+        assert not lower.beside or verdict_of({one, other}, column)[0] != lower.verdict
 
 
 @pytest.mark.parametrize("engines", [PHASES, RANGES])

@@ -4,9 +4,9 @@
   either far out, `jitter` of the sample clock: the scene in numbers
 - `advance` from event to event, `hysteresis` of the count on the way
 - `teeth` of a gear, one mode of their motion, `flanks` from mode to mode, `flank_rest`: how long they stay on one
-- `cogging` on one slope, `slopes` from slope to slope, `cog_rest` on one
+- `cogging` on one slope, `slopes` from slope to slope, `slope_columns` with the derivative, `cog_rest` on one
 - `period_map` the map over a period, `powers` of its derivative, `orbit_proof` the proof, `bent` where a torque over
-  the angle bends
+  the angle bends, `corners` over those of cogging
 - `inner_region` rest that is never reached, `captured` by an orbit that is known, or back where it was
 - `parting` of nearby motions, where they do not repeat
 - `outlook`: how far trials are followed; `search`: what they come to
@@ -20,7 +20,8 @@ friction is a monotone function of speed, so the energy of the difference of two
 grows. The fixed point is found by Newton's method with the derivative carried through every event (saltation). Its
 error bound is first order: inverse of the derivative times residual and roundings, with marks for events that could
 go another way within it; it is not an interval enclosure. With a continuous sensor the bound on a difference comes
-from the derivative's powers; where teeth press or cogging acts, it must not reach the end of a flank or a slope. A
+from the derivative's powers; where teeth press it must not reach the end of a flank. Corners of cogging add to a
+difference what is of second order in it, and leave a room in which the derivative decides. A
 scene that lists none of this runs in the plain loop, whose source does not know of the other.
 
 Rest that is never reached (`engine/general/inner_region.py`). An overdamped hand with friction creeps to the edge of

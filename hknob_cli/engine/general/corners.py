@@ -149,6 +149,8 @@ def end_sample(k, period, body, space, m):
     The columns are of one part: ``space.chain`` has the derivatives of those before, that of all of them together, and
     room for a product. They begin as 1 where ``k`` is 0.
     """
+    if body.cogs is None or not len(body.cogs):
+        return
     size, each = m * m, samples_of_part(period)
     whole, new = MOST_PARTS * size, (MOST_PARTS + 1) * size
     if k == 0:
@@ -168,6 +170,8 @@ def end_sample(k, period, body, space, m):
 
 def join_parts(period, body, space, m):
     """Put the derivative of a period back into its columns; mark what is made of a size on the way to its end."""
+    if body.cogs is None or not len(body.cogs):
+        return
     size = m * m
     whole, new = MOST_PARTS * size, (MOST_PARTS + 1) * size
     for c in range(m):
@@ -258,6 +262,8 @@ def room_over_corners(fast, slow, margin, late, period, body, space, scale):
         space: As the last turn of the period map has left it.
         scale: How speeds compare to positions.
     """
+    if body.cogs is None or not len(body.cogs):
+        return -1.0, inf, inf
     marks, reach, rate, m = space.marks, unit_reach(body), growth_rate(body), body.order
     grown = exp(min(rate * marks[LOOSE] + BESIDE, MOST_GROWTH))
     part = exp(min(rate * min(marks[LOOSE], samples_of_part(period)) + BESIDE, MOST_GROWTH))

@@ -5,9 +5,9 @@ difference never grows, friction or not. So a trial that is nearer to the orbit 
 the same readings for ever; the derivative says that it then converges. With a continuous sensor the command follows the
 motion, and the growth of a difference is bounded by the derivative's powers. Teeth with play keep that energy while
 they stay on one flank, which is one more margin; where they part it may grow, and the derivative alone says that nearby
-motions come closer: that is no proof. So it is with cogging, whose corners are such a margin, as long as the springs of
-one slope hold the knob. A torque over the angle of a continuous sensor is linear between its knees and steps, which are
-such margins, too; where it bends, `bent` bounds what that adds.
+motions come closer: that is no proof. With cogging a corner is such a margin, as long as the springs of one slope hold
+the knob; over corners, and where they do not, `corners` bounds what that adds. A torque over the angle of a continuous
+sensor is linear between its knees and steps, which are such margins, too; where it bends, `bent` bounds what that adds.
 """
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN

@@ -104,12 +104,12 @@ def turn(before, ring, head, period, body, wall, space, m):
         before, head = advance_columns(
             space.state, before, space.line, head, body, wall, space.pad, space.cols, m, width, space.marks
         )
-        if has_cogs(body.cogs) and m == n:
+        if m == n:
             end_sample(k, period, body, space, m)
         pace = max(pace, abs(space.state[0] - x))
         if wall.hysteresis > 0.0:
             before = counted
-    if has_cogs(body.cogs) and m == n:
+    if m == n:
         join_parts(period, body, space, m)
     if m > n:
         turn_lines(space.line, space.cols, space.away, m, len(ring), first, head)

@@ -9,7 +9,7 @@ from math import sqrt
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.general.body import copy_to
-from hknob_cli.engine.general.cogging import SIZE, cog_number, has_cogs, hold_stiffness, reach_on
+from hknob_cli.engine.general.cogging import SIZE, cog_number, hold_stiffness, reach_on
 from hknob_cli.engine.general.columns import begin_marks
 from hknob_cli.engine.general.controller import count_gap, edge_gap, read_after, table_size
 from hknob_cli.engine.general.corners import NEAREST, end_sample, goes_over, join_parts, room_over_corners
@@ -85,11 +85,9 @@ def turn_with_law(past, period, body, wall, law, space, m):
                 before = past[law.line - 1]
                 past[look] = read_after(space.state[0], before, wall)
                 margin = min(margin, edge_gap(space.state[0], past[look], before, law.watch))
-        if has_cogs(body.cogs):
-            end_sample(k, period, body, space, m)
+        end_sample(k, period, body, space, m)
         pace = max(pace, abs(space.state[0] - x))
-    if has_cogs(body.cogs):
-        join_parts(period, body, space, m)
+    join_parts(period, body, space, m)
     return margin, edge, reach, pace, guard, strength, anchored
 
 
