@@ -157,7 +157,7 @@ def _thumbnail(panel: "Axes", trial: Held, cycles: float) -> None:
 
 
 class Part(NamedTuple):
-    """What part of a trial is drawn: the last ``cycles`` of the steady part, or from ``from_s`` to ``to_s``.
+    """The part of a trial that is drawn: the last ``cycles`` of the steady part, or from ``from_s`` to ``to_s``.
 
     These are s from when the wall came on. A trial without a sustained buzz has its last 0.1 s drawn.
     """

@@ -20,7 +20,7 @@ BOUNCES = 10  # that the lines of mean peaks and troughs take in (Hasser, sec. 6
 
 
 class View(NamedTuple):
-    """What is drawn of the recordings.
+    """Recordings that are drawn, and what of them.
 
     ``samples`` marks where the controller reads; ``counts`` rules the count edges. ``scaled`` draws the torque of one
     recording over the angle, as the angle that it answers to, instead of below. ``acceleration`` draws accelerations

@@ -38,9 +38,7 @@ EXCEPTIONS = {
         for other, *unless in (("controller", "several_readings"), ("virtual_damping",), ("lag",), ("current_loop",))
     },
     ("cogging", "bare", "general"): Lower(EXACT, "a cycle that passes a corner is proven by counts"),
-    ("cogging", "speed_sensor", "laws"): Lower(
-        EXACT, "the torque follows a motion that is not affine"
-    ),
+    ("cogging", "speed_sensor", "laws"): Lower(EXACT, "the torque follows a motion that is not affine"),
     **{
         (part, "cogging", column): Lower(
             EXACT, "two motions over corners are let go at other times", beside=("friction",)

@@ -50,6 +50,13 @@ def bound_error(fast, slow, body, space, m):
     return far, spread
 
 
+def at_every_sample(bound, far, body):
+    """Bound on an error of a position, not only at the first sample of a period, where it is known to be ``far``."""
+    if (has_cogs(body.cogs) or body.reach < float("inf")) and far < float("inf"):
+        return max(bound, far)
+    return bound
+
+
 def meets_event(spread, wrong, period, body, space):
     """Whether friction may hold, or let go, what is off by ``spread``, otherwise than it does in ``space.marks``.
 
@@ -84,6 +91,28 @@ def margin_of_parts(margin, bound, holds, body, space):
 def scale_of(reach, pace):
     """How speeds compare to positions in a norm of differences."""
     return max(pace / (reach + pace), LEAST_SCALE) if pace > 0.0 else 1.0
+
+
+def room_beside(added, margin, period, body, wall, space, scale):
+    """Room of an orbit over corners, 0 where it is not proven, and how far the orbit may be off: ``(room, bound)``.
+
+    ``added``: to the residual of positions and of speeds, by a period.
+    """
+    if not goes_over(body) or wall.analog > 0.0:
+        return 0.0, 0.0
+    room, bound, _ = room_over_corners(added[0], added[1], margin, 0.0, period, body, space, scale)
+    return room, bound
+
+
+def captures_by_counts(margin, bound, nearest, body, space):
+    """Whether an orbit, known to within ``bound``, captures the trial that differs from it by ``space.residual``.
+
+    ``nearest``: how near a trial may come at most to an orbit over corners, which is then not proven; 0 of others.
+    """
+    away = far_around(body.cogs, space.residual, space.orbit[0], body)
+    if away + bound < margin:
+        return PROVEN
+    return PARTS if away <= nearest and nearest > 0.0 else NOT_CAPTURED
 
 
 def captures_alike(ring, head, period, size, bound, body, wall, space):
@@ -141,8 +170,8 @@ def certify(z, before, ring, head, period, body, wall, space):
     bound = space.away[0]
     if stands and pace <= STILL * bound:
         return DIFFERENT, 0.0, 0.0, 0.0, 0.0
-    if wall.analog == 0.0 and (has_cogs(body.cogs) or body.reach < float("inf")) and far < float("inf"):
-        bound = max(bound, far)  # at every sample of the period, not only at the first
+    if wall.analog == 0.0:
+        bound = at_every_sample(bound, far, body)
     if body.friction > 0.0 and meets_event(spread, 0.0, period, body, space):
         return AT_EVENT, margin, edge, closure, bound
     parts, margin = margin_of_parts(margin, bound, far < float("inf"), body, space)
@@ -154,20 +183,15 @@ def certify(z, before, ring, head, period, body, wall, space):
         # again.
         return (EXPANDS if wall.analog == 0.0 and not parts else DIFFERENT), margin, edge, closure, bound
     if parts:
-        if not goes_over(body) or wall.analog > 0.0:
-            return PARTS, margin, edge, closure, bound
-        room, bound, _ = room_over_corners(fast, slow, margin, 0.0, period, body, space, scale)
+        room, off = room_beside((fast, slow), margin, period, body, wall, space, scale)
         if not room > 0.0:
             return PARTS, margin, edge, closure, bound
-        margin = room + bound
+        margin, bound = room + off, off
     for i in range(n):
         space.residual[i] = z[i] - space.orbit[i]
     if wall.analog == 0.0:
-        away = far_around(body.cogs, space.residual, space.orbit[0], body)
-        if not away + bound < margin:
-            near = parts and away <= NEAREST * (reach + pace)
-            return (PARTS if near else NOT_CAPTURED), margin, edge, closure, bound
-        return PROVEN, margin, edge, closure, bound
+        status = captures_by_counts(margin, bound, NEAREST * (reach + pace) if parts else 0.0, body, space)
+        return status, margin, edge, closure, bound
     if body.friction > 0.0:
         return EXPANDS, margin, edge, closure, bound
     space.residual[width - 1] = before - space.reading[0]

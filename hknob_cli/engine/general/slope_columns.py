@@ -44,6 +44,23 @@ def spread_cogs(cols, command, count, width, span, slope, mode, body, pad):
         spread_by(cols, command, count, width, span, COGGED + kind, halves, True, body, pad)
 
 
+def begin_hold(z, u, slope, span, body, pad, marks):
+    """Mode in which a hold begins, and marks of that."""
+    rubs = body.friction > 0.0
+    still, moved = settled(body.cogs, z, u, slope, span, body, pad)
+    mode = way_from(z, u, slope, body)
+    unseen = mode == 0 and not rubs and not still  # where it turns round later is not seen
+    if still or (mode == 0 and not rubs):
+        mode = FREE  # it balances, to a rounding, and nothing holds it
+    room = room_on(z[0], slope, body.cogs) - (moved if still else 0.0)
+    marks[CORNER_ROOM] = min(marks[CORNER_ROOM], room)
+    if still or z[1] == 0.0:
+        marks[TURN_ROOM] = -1.0 if unseen else min(marks[TURN_ROOM], room)
+    if rubs and z[1] == 0.0:
+        marks[LEVEL] = min(marks[LEVEL], abs(abs(cog_acceleration(z, u, slope, body)) - body.friction))
+    return mode
+
+
 def mark_start(z, u, slope, span, mode, body, pad, marks):
     """Mark a bound on accelerations of a piece within ``span`` on a slope, in a mode in which the knob moves."""
     cog_rate(z, u, slope, mode, body, pad)
@@ -83,19 +100,8 @@ def cog_columns(cogs, z, u, span, body, pad, cols, command, count, width, marks)
     left = span
     slope = slope_at(z[0], cogs)
     rubs = body.friction > 0.0
-    still, moved = settled(cogs, z, u, slope, span, body, pad)
-    moved = moved if still else 0.0
-    mode = way_from(z, u, slope, body)
-    unseen = mode == 0 and not rubs and not still  # where it turns round later is not seen
-    if still or (mode == 0 and not rubs):
-        mode = FREE  # it balances, to a rounding, and nothing holds it
+    mode = begin_hold(z, u, slope, span, body, pad, marks)
     fresh = mode != 0 and z[1] == 0.0
-    room = room_on(z[0], slope, cogs) - moved
-    marks[CORNER_ROOM] = min(marks[CORNER_ROOM], room)
-    if still or z[1] == 0.0:
-        marks[TURN_ROOM] = -1.0 if unseen else min(marks[TURN_ROOM], room)
-    if rubs and z[1] == 0.0:
-        marks[LEVEL] = min(marks[LEVEL], abs(abs(cog_acceleration(z, u, slope, body)) - body.friction))
     while left > 0.0:
         if mode != 0:
             mark_start(z, u, slope, left, mode, body, pad, marks)
