@@ -18,7 +18,7 @@ TURN_ROOM, SLOWNESS, SLOWEST, FASTEST, LOOSE = range(4, 9)
 # between two of its parts (`corners`).
 SWOLLEN, CARRIED = 9, 10
 # And with friction, of turns: the sum of 1 / deceleration, the least of it, and of it times what is left of a hold in
-# which friction holds the knob from there on.
+# which friction holds the knob from there on. Of a hold that begins with a speed of 0 the latter is of the level.
 TURNING, LEAST_TURN, STUCK_FOR = range(11, 14)
 MARKS = 14
 

@@ -26,10 +26,19 @@ in the end is at most half of itself. Both hold for X = 2 swell (N + missed), as
 
 Friction takes energy out of any difference. Where it turns a motion round, at a deceleration r, a difference of speeds
 shrinks by the ratio of the accelerations after and before. Motions whose speeds differ by at most q from the orbit's
-turn within 4 q / r of it. By then forces differ from the orbit's by what springs, damping and lag make of q, and by
-what a force changes in that time. So that ratio is known to a part of that over r, and what else a motion does in that
-time is known to that time: both add to ``bend``. A motion is held, or let go, at the samples at which the orbit is, by
-more than those differences.
+turn within 4 q / r of it. By then forces differ from the orbit's by what springs and damping make of q, and by what a
+force changes in that time. So that ratio is known to a part of that over r, and what else a motion does in that time is
+known to that time: both add to ``bend``. A motion is held, or let go, at the samples at which the orbit is, by more
+than those differences.
+
+It turns nowhere else. Between two corners, under one torque, the speed v and a difference y of speeds obey the same
+equation of second order, so that y / v is monotone as long as v is not 0: it is largest at an end. There it is less
+than 1, at the end of a hold by the speed, and after a start from 0 by the level of friction. At a corner ``bend`` q <=
+1/2 has it below 0.19 where a slope does not hold; and where all hold, a speed has no least value in between. Beside a
+lag none of this is so, and a finger or a winding lets two motions go at other times: no cycle is proven there.
+
+Where the orbit begins with a speed of 0, another motion begins with one of at most q. It stops within q / level, and
+moves by at most a quarter of its size until then; from there on it is one that began at rest.
 """
 
 from math import exp, inf, sqrt
@@ -57,6 +66,7 @@ PASSING = 8.0 / 3.0  # times far / v: the time within ``far`` of a corner
 BESIDE = 0.1  # of an exponent: growth while a corner lies between two motions
 MOST_GROWTH = 100.0  # exponent of a growth beyond which a room would be less than any rounding
 MOST_PARTS = 64  # of a period, whose derivatives are kept
+FROM_STANDSTILL = 0.8  # of a size, where the orbit begins with a speed of 0 and another motion has yet to stop
 NEAREST = 1e-13  # of an orbit's size: a trial so near to it is as near as it may come
 WITHIN = 0.9  # of what there is room for
 TAIL = 1.01  # of the sum of 1, `GONE`, its square, ...
@@ -65,12 +75,11 @@ TAIL = 1.01  # of the sum of 1, `GONE`, its square, ...
 def goes_over(body):
     """Whether a body is of the kind whose cycles over corners are proven.
 
-    Teeth with play take energy out of a difference only on one flank; with friction it must be of angle and speed, with
-    or without a lag.
+    Teeth with play take energy out of a difference only on one flank; with friction it must be of angle and speed.
     """
     if not has_cogs(body.cogs) or body.play > 0.0:
         return False
-    return body.friction == 0.0 or (body.ratio == 0.0 and body.coil == 0.0)
+    return body.friction == 0.0 or body.order == 2
 
 
 def unit_reach(body):
@@ -81,7 +90,7 @@ def unit_reach(body):
 def growth_rate(body):
     """At what rate a size grows at most where no stable slope holds both motions."""
     push = body.cogs[SLOPE] * unit_reach(body)
-    return sqrt(0.25 * body.alpha * body.alpha + push * push) - 0.5 * body.alpha
+    return push * push / (sqrt(0.25 * body.alpha * body.alpha + push * push) + 0.5 * body.alpha)
 
 
 def size_of(dz, body):
@@ -223,8 +232,10 @@ def pass_corners(far, body, marks):
     slope, reach, slowness = body.cogs[SLOPE], unit_reach(body), marks[SLOWNESS]
     if slowness == 0.0:
         return far, 0.0
-    way = WINDOW * marks[SLOWEST] ** 2 / marks[FASTEST]
-    far = min(far, WITHIN * way, BESIDE / (growth_rate(body) * PASSING * slowness))
+    far = min(far, WITHIN * WINDOW * marks[SLOWEST] ** 2 / marks[FASTEST])
+    grows = growth_rate(body) * PASSING * slowness
+    if far * grows > BESIDE:
+        far = BESIDE / grows
     return far, 2.0 * slope * PASSING * slowness * reach * reach
 
 
@@ -233,15 +244,14 @@ def turn_alike(pace, late, body, marks):
 
     ``late``: of torques that are still under way, and differ in sum by no more than speeds may, 1; else 0.
     """
-    pace = min(pace, WITHIN * marks[SPEED])
-    stiff = 2.0 / unit_reach(body) + body.alpha + 2.0 * body.lag + late
+    pace = min(pace, WITHIN * marks[SPEED], WITHIN * 0.25 * marks[STUCK_FOR])
+    stiff = 2.0 / unit_reach(body) + body.alpha + late
     if marks[TURNING] == 0.0:
-        return min(pace, WITHIN * marks[LEVEL] / stiff), 0.0
-    least = marks[LEAST_TURN]
-    bend = marks[FASTEST] * (stiffness(body) + body.cogs[ROOT] + body.lag)
+        return min(pace, 0.5 * marks[LEVEL] / stiff), 0.0
+    least = marks[LEAST_TURN]  # above 0, as the level there is at least half of it
+    bend = marks[FASTEST] * (stiffness(body) + body.cogs[ROOT])
     pull = stiff + 4.0 * bend / least  # by which torques differ at a turn, times the difference of speeds
-    pace = min(pace, WITHIN * min(marks[LEVEL], 0.5 * least) / pull)
-    pace = min(pace, WITHIN * least * least / (8.0 * bend), WITHIN * 0.25 * marks[STUCK_FOR])
+    pace = min(pace, 0.5 * min(marks[LEVEL], least) / pull, WITHIN * least * least / (8.0 * bend))
     return pace, 16.0 * marks[TURNING] * (stiff + bend / least)
 
 
@@ -287,4 +297,6 @@ def room_over_corners(fast, slow, margin, late, period, body, space, scale):
     size = pace / most
     if size * swell * bend * most * most > 0.5:
         size = 0.5 / (swell * bend * most * most)
+    if body.friction > 0.0 and space.orbit[1] == 0.0:
+        size *= FROM_STANDSTILL
     return (size / (2.0 * swell) - missed) * reach, 2.0 * swell * missed * most * reach, grown

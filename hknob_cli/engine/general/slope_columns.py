@@ -57,7 +57,9 @@ def begin_hold(z, u, slope, span, body, pad, marks):
     if still or z[1] == 0.0:
         marks[TURN_ROOM] = -1.0 if unseen else min(marks[TURN_ROOM], room)
     if rubs and z[1] == 0.0:
-        marks[LEVEL] = min(marks[LEVEL], abs(abs(cog_acceleration(z, u, slope, body)) - body.friction))
+        level = abs(abs(cog_acceleration(z, u, slope, body)) - body.friction)
+        marks[LEVEL] = min(marks[LEVEL], level)
+        marks[STUCK_FOR] = min(marks[STUCK_FOR], level * span)
     return mode
 
 
