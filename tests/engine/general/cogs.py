@@ -5,6 +5,7 @@ and ends within a step of 1/64 of a sample is missed.
 """
 
 from functools import cache
+from random import Random
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,6 +22,8 @@ from tests.verification.general_scenes import TWO_PARTS, scene
 Array = NDArray[np.float64]
 STEPS = 64  # of a sample
 HALVINGS = 46  # of a step
+CLOSE = 1e-9  # of the size of the state: far above roundings, far below any event that is missed
+SEEDS = range(10)
 FREE = 2
 TURNED, RISEN, FALLEN = 1, 2, 3
 
@@ -223,3 +226,65 @@ def by_hand(alpha: float = 1.0, beta: float = 1.0, friction: float = 0.0, push: 
     plain = SceneSpec.model_validate(made).plain()
     one = make_body(plain, period=1.0, quantum=1.0, shift=0.0, split=0.0)[0]
     return one._replace(push=abs(push), drive=-push, cogs=cogs)
+
+
+class Case:
+    """One motion over a time of so many 64ths of a sample, and what the exponentials make of it.
+
+    ``slow``: whether friction may stop it within the sample, and exceed the torque.
+    """
+
+    def __init__(self, name: str, seed: int, *, ways: bool = False, slow: bool = False) -> None:
+        self.body = body_of(name)
+        chance = Random(f"{name} {seed}")
+        self.z, self.u = begun(self.body, chance)
+        if slow:
+            self.z[1] = chance.gauss(0, 0.3 * self.body.friction)
+            known = Cogged(self.body, self.z, 0.0)
+            if self.body.lag > 0.0:
+                known.z[-3] = 0.0
+            self.u = chance.gauss(0, self.body.friction) - float(known.pull() @ known.z)
+            if self.body.lag > 0.0:
+                self.z[-1] = self.u
+        self.steps = chance.choice([1, 24, 63, 64, 64, 64])
+        self.ways = ways
+        self.known = self.begin()
+        self.events = self.known.move(self.steps)
+        self.end = self.known.state
+        self.size = 1.0 + float(np.abs(self.end).max())
+        self.pad = [0.0] * (2 * self.body.order)
+
+    def begin(self) -> Cogged:
+        return Cogged(self.body, self.z, self.u, ways=self.ways)
+
+    @property
+    def span(self) -> float:
+        return self.steps / 64.0
+
+    def near(self, found: Any, expected: Any) -> bool:
+        n = self.body.order
+        return bool(np.abs(np.array(found[:n]) - np.array(expected[:n])).max() <= CLOSE * self.size)
+
+
+@cache
+def case_of(name: str, seed: int, ways: bool) -> Case:
+    return Case(name, seed, ways=ways)
+
+
+# By hand: slopes of 1/4, 8 counts long, the stable one about a place of rest at 0, the next one about 8.
+COGS = [0.25, 8.0, 0.0, 1.0, 0.5, 8.0]
+PLAIN = by_hand(cogs=COGS)
+RUBS = by_hand(friction=2.0, cogs=COGS)
+
+
+class Script:
+    """Ends of modes as they are written down: time, end; then position and speed of the knob."""
+
+    def __init__(self, patch: Any, module: Any, steps: list[tuple[float, int, float, float]]) -> None:
+        self.steps, self.asked = steps, list[Any]()
+        patch.setattr(module, "roll", self.roll)
+
+    def roll(self, z: Any, u: float, slope: float, mode: int, left: float, fresh: bool, body: Body, pad: Any) -> Any:
+        self.asked.append((slope, mode, left, fresh))
+        t, end, z[0], z[1] = self.steps[len(self.asked) - 1]
+        return t, end

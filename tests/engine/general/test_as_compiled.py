@@ -7,13 +7,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hknob_cli.engine.general import cog_rest, cogging, hysteresis, jitter, slopes, torque_curve, torque_table
+from hknob_cli.engine.general import (
+    cog_rest,
+    cogging,
+    hysteresis,
+    jitter,
+    slope_columns,
+    slopes,
+    torque_curve,
+    torque_table,
+)
 from hknob_cli.engine.general.search import as_compiled
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
 from hknob_cli.specs.scene import SceneSpec
 from tests.verification.general_scenes import scene
 
-from .bodies import knob
+from .bodies import fresh_marks, knob
 
 ONE = knob()
 HELD = cog_rest.LastTorque(0.1, 0.0, 0.0)
@@ -52,6 +61,10 @@ ABSENT: dict[str, tuple[Callable[[Any], Any], Any]] = {
         lambda cogs: cogging.far_apart(cogs, [1.0, 0.5], 3.0, ONE.body),
         cogging.distance([1.0, 0.5], ONE.body),
     ),
+    "far_around": (
+        lambda cogs: cogging.far_around(cogs, [1.0, 0.5], 3.0, ONE.body),
+        cogging.distance([1.0, 0.5], ONE.body),
+    ),
     "reach_on": (lambda cogs: cogging.reach_on(cogs, 3.0, ONE.body), ONE.body.reach),
     "gap_apart": (
         lambda cogs: cogging.gap_apart(cogs, [1.0, 0.5], ONE.body),
@@ -59,7 +72,9 @@ ABSENT: dict[str, tuple[Callable[[Any], Any], Any]] = {
     ),
     "cog_many": (lambda cogs: slopes.cog_many(cogs, [1.0, 0.5], 0.1, 1.0, ONE.body, [0.0] * 4), None),
     "cog_columns": (
-        lambda cogs: slopes.cog_columns(cogs, [1.0, 0.5], 0.1, 1.0, ONE.body, [0.0] * 4, [0.0] * 9, 0, 1, 3, [0.0] * 3),
+        lambda cogs: slope_columns.cog_columns(
+            cogs, [1.0, 0.5], 0.1, 1.0, ONE.body, [0.0] * 4, [0.0] * 9, 0, 1, 3, fresh_marks()
+        ),
         None,
     ),
     "cog_chart": (lambda cogs: slopes.cog_chart(cogs, [1.0, 0.5], 0.1, 1.0, ONE.body, [0.0] * 4, 5, None), 5),

@@ -1,11 +1,13 @@
 """Derivatives of one interval through turning points and standstills, against differences; and the inverse."""
 
+from math import inf
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.linalg import expm
 
+from hknob_cli.engine.general import columns
 from hknob_cli.engine.general.advance import rub_columns
 from hknob_cli.engine.general.interval import advance, advance_columns
 from hknob_cli.engine.general.powers import invert
@@ -96,6 +98,18 @@ def test_columns_are_differences(name: str) -> None:
             sharp += allowed < 1e-7
     assert turned > 5, "nothing turned round: nothing was tested"
     assert sharp > 50, "no difference was sharp enough to tell"
+
+
+def test_marks_begin_as_sums_of_nothing_and_least_of_nothing() -> None:
+    """Each has a place of its own."""
+    names = [name for name in vars(columns) if name.isupper() and name not in ("MARKS", "ENTRY", "HELD", "RATES")]
+    marks = {name: getattr(columns, name) for name in names if not name.startswith("HALVES")}
+    assert sorted(marks.values()) == list(range(columns.MARKS))
+    found = [7.0] * (columns.MARKS + 1)
+    columns.begin_marks(found)
+    sums = {"SLOWNESS", "FASTEST", "LOOSE", "SWOLLEN", "CARRIED", "TURNING"}
+    assert {name: found[at] for name, at in marks.items()} == {name: 0.0 if name in sums else inf for name in marks}
+    assert found[-1] == 7.0
 
 
 @pytest.mark.parametrize("m", [1, 2, 3, 5, 8])
