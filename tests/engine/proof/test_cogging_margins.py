@@ -18,6 +18,7 @@ from hknob_cli.engine.general.cogging import (
     cog_pull,
     energy_apart,
     far_apart,
+    far_around,
     gap_apart,
     hold_stiffness,
     is_stable,
@@ -149,6 +150,23 @@ def test_two_motions_are_apart_as_far_as_springs_allow(exact: None) -> None:
         assert gap_apart(COGS, [first, 1.5], FIRM) == (2.5 + 1.0) / sqrt(1.25)
         assert gap_apart(COGS, [first, 1.5], PLAIN) == (norm(dz, PLAIN) + 1.0) / sqrt(0.5)
         assert gap_apart(COGS, [first, 1.5], PLAIN._replace(reach=inf)) == (norm(dz, PLAIN) + 1.0) / 0.5
+
+
+def test_motions_around_an_orbit_are_apart_by_the_energy_of_a_stable_slope_where_nothing_holds_it(exact: None) -> None:
+    """Where springs hold it that is no more than the energy of the slope itself says."""
+    for one, x, holds in ((FIRM, 0.0, True), (FIRM, 2.0, True), (PLAIN, 0.0, True), (PLAIN, 2.0, False),
+                          (PLAIN._replace(reach=4.0), 2.0, False)):  # fmt: skip
+        assert (hold_stiffness(COGS, x, one) > 0.0) == holds
+        for dz in ([2.0, 1.5], [-2.0, 1.5], [0.0, 1.0], [1.0, 0.0]):
+            near = sqrt(dz[1] ** 2 + (one.beta + 0.25) * dz[0] ** 2) / sqrt(own_stiffness(one) + 0.25)
+            if holds:
+                assert far_around(COGS, dz, x, one) == far_apart(COGS, dz, x, one)
+                if one is FIRM:
+                    assert far_around(COGS, dz, x, one) >= near * (1.0 - 1e-15)
+            else:
+                assert far_apart(COGS, dz, x, one) == inf
+                assert far_around(COGS, dz, x, one) == gap_apart(COGS, dz, one)
+                assert near * (1.0 - 1e-15) <= far_around(COGS, dz, x, one) <= sqrt(2.0) * near * (1.0 + 1e-15)
 
 
 # What can be told of a step.

@@ -11,6 +11,8 @@ import pytest
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.general import cogging
 from hknob_cli.engine.general.body import Body, distance, norm, stiffness
+from hknob_cli.engine.general.cogging import far_around
+from hknob_cli.engine.general.columns import TURN_ROOM
 from hknob_cli.engine.general.controller import count_gap, edge_gap, read, read_after
 from hknob_cli.engine.general.laws import period as proof
 from hknob_cli.engine.general.laws.cascade import apart
@@ -19,6 +21,7 @@ from hknob_cli.engine.general.laws.period import AT_EVENT, AT_SWITCH, EXPANDS
 from hknob_cli.engine.general.laws.period import PARTS as PARTED
 from hknob_cli.engine.general.laws.step import FREE
 from hknob_cli.engine.general.search import make_space
+from tests.engine.general.bodies import fresh_marks
 
 from .test_period_map_margins import most_of
 from .test_standstill_margins import FINGER, LAGGING, WALL, body
@@ -59,7 +62,7 @@ class Stage(NamedTuple):
     guard: float = 1e9
     strength: float = 5.0
     anchored: bool = True
-    marks: tuple[float, ...] = (inf, inf, inf, inf)
+    marks: tuple[float, ...] = tuple(fresh_marks())
     missed: float | None = None  # by which what fades is not back, wherever it begins; else it fades to 2
     late: tuple[float, ...] = (0.0,) * (PARTS * AGES)
     sinks: float = 0.0
@@ -367,14 +370,61 @@ def test_a_standstill_beside_cogging_has_its_spring_too() -> None:
         assert prove(stage._replace(marks=marks), law, one=one._replace(friction=1.0)).status == status
 
 
-def test_a_cycle_is_proven_where_springs_hold_the_knob_and_nowhere_else(monkeypatch: pytest.MonkeyPatch) -> None:
-    """By a slope of a quarter alone; not on the next one, nor where hand and slope cancel, and nothing is left."""
+def test_a_cycle_is_proven_where_springs_hold_the_knob_or_there_is_room(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By a slope of a quarter alone; on the next one, and where hand and slope cancel, with room to corners."""
     monkeypatch.setattr(cogging, "SPRINGS", 0.0)
     free, soft = body(beta=0.0)._replace(reach=inf), body(beta=0.25)._replace(reach=2.0)
-    for one, centre, status in ((free, -2.5, PROVEN), (free, 5.5, PARTED), (soft, -2.5, PROVEN), (soft, 5.5, PARTED)):
-        found = prove(Stage(), law_of(), one=one._replace(cogs=[0.25, 8.0, centre, 1.0, 0.5, 0.0]))
-        assert found.status == status
+    near = fresh_marks()
+    near[TURN_ROOM] = -1.0
+    for one, centre, holds in ((free, -2.5, True), (free, 5.5, False), (soft, -2.5, True), (soft, 5.5, False)):
+        beside = one._replace(cogs=[0.25, 8.0, centre, 1.0, 0.5, 0.0])
+        found = prove(Stage(), law_of(), one=beside, unit=EPSILON)
+        assert found.status == PROVEN
         assert found.bound < 1.0
+        assert (found.margin < 1.0) == (not holds)
+        found = prove(Stage(marks=tuple(near)), law_of(), one=beside, unit=EPSILON)
+        assert found.status == (PROVEN if holds else PARTED)
+
+
+def over_corners(monkeypatch: pytest.MonkeyPatch, room: float, one: Body, **more: Any) -> tuple[Result, list[Any]]:
+    """The proof where `room_over_corners` is what it is said to be, with a growth of 4; what that is asked with."""
+    asked: list[Any] = []
+
+    def stand_in(*given: Any) -> tuple[float, float, float]:
+        asked.append(given)
+        return room, 0.0625, 4.0
+
+    with monkeypatch.context() as patch:
+        patch.setattr(proof, "room_over_corners", stand_in)
+        stage = Stage(marks=(inf, inf, inf, -1.0), margin=0.4, **more.pop("stage", {}))
+        return prove(stage, more.pop("law", law_of()), one=one, unit=EPSILON, **more), asked
+
+
+def test_the_room_over_corners_is_less_by_a_growth(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Which torques under way that are not the orbit's may have; it must be above what nothing comes nearer than."""
+    one, nearest = body(beta=0.0)._replace(reach=inf, cogs=[0.25, 8.0, 5.5, 1.0, 0.5, 0.0]), 1e-13 * 3.5
+    for room, status in ((2.0, PROVEN), (nextafter(nearest, inf), PROVEN), (nearest, PARTED), (-1.0, PARTED)):
+        found, asked = over_corners(monkeypatch, room, one)
+        assert (found.status == PARTED) == (status == PARTED)
+        assert (found.bound, found.edge) == (0.0625, 0.3)
+        assert found.margin == (0.4 if status == PARTED else room / 4.0 + 0.0625)
+        ((fast, slow, margin, late, period, body_asked, space, scale),) = asked
+        wrong, _ = wrong_of(Stage(), law_of())
+        wrong *= EPSILON / UNIT
+        rounding = 8.0 * EPSILON * 4 * 2
+        assert fast == pytest.approx(rounding * 3.5 + wrong * 4 * 2.0, rel=1e-12)
+        assert slow == pytest.approx(rounding * 1.0 + wrong * 4, rel=1e-12)
+        assert (margin, late, period, body_asked, space) == (0.4, 1.0, 4, one, found.space)
+        assert scale == 0.5 / 3.5
+    away = far_around(one.cogs, [1.0, 0.0], PLACE[0], one)
+    for part, status in ((0.999, PROVEN), (1.001, NOT_CAPTURED)):
+        z = [PLACE[0] + part * 0.5 / away, PLACE[1]]
+        assert over_corners(monkeypatch, 2.0, one, z=z)[0].status == status
+    found, asked = over_corners(monkeypatch, 2.0, one._replace(friction=1.0, play=0.0), law=law_of())
+    assert (found.status, len(asked)) == (PROVEN, 1)
+    monkeypatch.setattr(proof, "goes_over", lambda _: False)
+    found, asked = over_corners(monkeypatch, 2.0, one)
+    assert (found.status, found.margin, asked) == (PARTED, 0.4, [])
 
 
 def test_at_the_very_limit_of_a_standstill_nothing_is_proven() -> None:
@@ -688,7 +738,7 @@ def test_a_turn_sees_every_sample_and_every_look(monkeypatch: pytest.MonkeyPatch
     def move(past: Any, at: int, _: Any, __: Any, room: Any, count: int) -> None:
         assert (at, count) == (len(moves) % pieces * PIECE, 2)
         if not moves:
-            assert room.marks == [inf, inf, inf, inf]
+            assert room.marks == fresh_marks()
             assert [room.cols[c * room.width + i] for c in range(2) for i in range(2)] == [1.0, 0.0, 0.0, 1.0]
             assert [room.cols[room.width**2 + c] for c in range(2)] == [0.0, 0.0]
         moves.append(at)

@@ -11,11 +11,13 @@ import pytest
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.general import orbit_proof, period_map, powers
 from hknob_cli.engine.general.body import Body, distance, norm, stiffness
-from hknob_cli.engine.general.cogging import far_apart
+from hknob_cli.engine.general.cogging import far_apart, far_around
+from hknob_cli.engine.general.columns import TURN_ROOM
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.orbit_proof import AT_EVENT, EXPANDS, PARTS, certify
 from hknob_cli.engine.general.period_map import Space
 from hknob_cli.engine.general.search import make_space
+from tests.engine.general.bodies import fresh_marks
 
 from .test_standstill_margins import FINGER, LAGGING, WALL, body
 
@@ -33,7 +35,7 @@ class Stage(NamedTuple):
     edge: float = 0.3
     reach: float = 3.0
     pace: float = 0.5
-    marks: tuple[float, ...] = (inf, inf, inf, inf)
+    marks: tuple[float, ...] = tuple(fresh_marks())
     off: float | np.ndarray = 0.0
     turned: int = 0  # by how much the delay line has gone on
     last: float | None = None  # reading, where it is no part of the map
@@ -390,9 +392,102 @@ def test_an_error_beside_cogging_is_bounded_where_springs_hold(monkeypatch: pyte
     assert stable.status == PROVEN
     energy = sqrt(away[1] ** 2 + 0.25 * away[0] ** 2)
     assert stable.bound == pytest.approx(max(away[0], energy / 0.5), rel=1e-9, abs=0.0)
-    unstable = prove(monkeypatch, planar(), PLACE, free._replace(cogs=[0.25, 8.0, 5.5, 1.0, 0.5, 0.0]))
-    assert unstable.status == PARTS
-    assert unstable.bound == pytest.approx(away[0], rel=1e-9, abs=0.0)
+    unstable = free._replace(cogs=[0.25, 8.0, 5.5, 1.0, 0.5, 0.0])
+    at_corner = fresh_marks()
+    at_corner[TURN_ROOM] = -1.0
+    found = prove(monkeypatch, planar(marks=tuple(at_corner)), PLACE, unstable)
+    assert found.status == PARTS
+    with monkeypatch.context() as patch:
+        patch.setattr(orbit_proof, "goes_over", lambda _: False)
+        found = prove(monkeypatch, planar(marks=tuple(at_corner)), PLACE, unstable)
+    assert found.status == PARTS
+    assert found.bound == pytest.approx(away[0], rel=1e-9, abs=0.0)
+    assert prove(monkeypatch, planar(), PLACE, unstable).status == PROVEN
+
+
+OFF_SLOPE = [0.25, 8.0, 5.5, 1.0, 0.5, 0.0]  # cogging whose unstable slope is where the cycle is
+
+
+def over_corners(
+    monkeypatch: pytest.MonkeyPatch,
+    room: float,
+    one: Body,
+    *,
+    by: tuple[float, float] = (0.0, 0.0),
+    wall: Controller = WALL,
+    bound: float = 0.0625,
+    **more: Any,
+) -> tuple[Result, list[Any]]:
+    """The proof of a cycle over corners where `room_over_corners` is what it is said to be; what that is asked with."""
+    asked: list[Any] = []
+
+    def stand_in(*given: Any) -> tuple[float, float, float]:
+        asked.append(given)
+        return room, bound, 4.0
+
+    more = {"marks": (inf, inf, inf, -1.0)} | more
+    with monkeypatch.context() as patch:
+        patch.setattr(orbit_proof, "room_over_corners", stand_in)
+        z, ring = PLACE + np.array(by), (0.0,) * 0
+        return prove(monkeypatch, planar(**more), z, one, wall, ring=ring), asked
+
+
+def test_a_cycle_over_corners_is_proven_where_there_is_room(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Above 0, and with all that is asked about it; the trial's distance is that around such an orbit."""
+    one = body(beta=0.0)._replace(reach=inf, cogs=OFF_SLOPE)
+    for room, status in ((0.25, PROVEN), (2.0**-40, PROVEN), (0.0, PARTS), (-1.0, PARTS)):
+        found, asked = over_corners(monkeypatch, room, one)
+        assert (found.status, found.edge, len(asked)) == (status, 0.3, 1)
+        if status == PROVEN:
+            assert (found.margin, found.bound) == (room + 0.0625, 0.0625)
+        else:
+            assert (found.margin, found.bound) == (0.4, 0.0625)
+        ((fast, slow, margin, late, period, body_asked, space, scale),) = asked
+        assert (fast, slow) == (32.0 * EPSILON * 3.5, 32.0 * EPSILON * 1.0)
+        assert (margin, late, period, body_asked, space, scale) == (0.4, 0.0, 4, one, found.space, 0.5 / 3.5)
+    # On a slope that holds it, too, where it passes a corner.
+    stable = one._replace(cogs=[0.25, 8.0, -2.5, 1.0, 0.5, 0.0])
+    assert over_corners(monkeypatch, 0.25, stable)[0].status == PROVEN
+    kept, asked = over_corners(monkeypatch, 0.25, stable, marks=(inf, inf, inf, 3.0))
+    assert (kept.status, kept.margin, asked) == (PROVEN, 0.4, [])
+
+
+def test_a_cycle_over_corners_is_of_some_bodies_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And not of a continuous sensor, nor of a motion that does not contract or is at an edge."""
+    one = body(beta=1.0)._replace(cogs=OFF_SLOPE)
+    for changed, status in (({}, PROVEN), ({"friction": 1.0}, PROVEN), ({"play": 1.0}, PARTS)):
+        marks = (inf, inf, -1.0 if "play" in changed else inf, -1.0)
+        with monkeypatch.context() as patch:
+            patch.setattr(orbit_proof, "flank_room_on", lambda *_: -1.0)
+            found, asked = over_corners(monkeypatch, 0.25, one._replace(**changed), marks=marks)
+        assert (found.status, len(asked)) == (status, status == PROVEN)
+    for more, status in (({"matrix": np.eye(2) * 1.5}, DIFFERENT), ({"margin": 1e-30}, ON_EDGE)):
+        found, asked = over_corners(monkeypatch, 0.25, one, **more)
+        assert (found.status, asked) == (status, [])
+    stage = following(np.array([[0.3, 0.9, 0.0], [-0.4, 0.2, 0.3], [1.0, 0.0, 0.0]]))._replace(
+        marks=(inf, inf, inf, -1.0)
+    )
+    found = prove(monkeypatch, stage, stage.place[:2], one, CONTINUOUS, before=float(stage.place[-1]))
+    assert found.status == PARTS
+
+
+@pytest.mark.parametrize("reach", [inf, 1.0])
+def test_a_trial_is_captured_within_the_room_over_corners(monkeypatch: pytest.MonkeyPatch, reach: float) -> None:
+    """And where it is not, though it is as near as roundings let it come, nothing is proven of the cycle."""
+    one = body(beta=0.0 if reach == inf else 1.0)._replace(reach=reach, cogs=OFF_SLOPE)
+    for direction in ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.6, -0.8)):
+        away = far_around(OFF_SLOPE, list(direction), PLACE[0], one)
+        for part, status in ((0.999, PROVEN), (1.001, NOT_CAPTURED)):
+            by = (part * 0.25 / away * direction[0], part * 0.25 / away * direction[1])
+            assert over_corners(monkeypatch, 0.25, one, by=by)[0].status == status
+    found, _ = over_corners(monkeypatch, 1e-300, one)
+    off = found.space.residual[:2]
+    away = far_around(OFF_SLOPE, [abs(x) for x in off], PLACE[0], one)
+    assert found.status == (PARTS if away + 0.0625 >= 1e-300 + 0.0625 else PROVEN)
+    # Nothing is left beside the orbit's own error.
+    for part, status in ((0.9, PARTS), (1.1, NOT_CAPTURED)):
+        far = part * 1e-13 * 3.5 / far_around(OFF_SLOPE, [1.0, 0.0], PLACE[0], one)
+        assert over_corners(monkeypatch, 2.0**-60, one, by=(far, 0.0), bound=0.0)[0].status == status
 
 
 # What refuses a proof.
