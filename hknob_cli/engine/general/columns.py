@@ -14,20 +14,19 @@ LEVEL, SPEED, PRESSED, CORNER_ROOM = range(4)
 # Beside cogging: the least room to a corner where the motion stands or turns round; of corners that are passed the sum
 # of 1 / speed, and the least speed; a bound on accelerations all along; the time on slopes that do not hold.
 TURN_ROOM, SLOWNESS, SLOWEST, FASTEST, LOOSE = range(4, 9)
-# What the derivative makes at most of a size of 1: at a sample, of one at the start, and at the end, of one at any time
-# between two of its parts (`corners`).
-SWOLLEN, CARRIED = 9, 10
+# What the derivative makes at a sample, at most, of a size of 1 at the start (`corners`).
+SWOLLEN = 9
 # And with friction, of turns: the sum of 1 / deceleration, the least of it, and of it times what is left of a hold in
 # which friction holds the knob from there on. Of a hold that begins with a speed of 0 the latter is of the level.
-TURNING, LEAST_TURN, STUCK_FOR = range(11, 14)
-MARKS = 14
+TURNING, LEAST_TURN, STUCK_FOR = range(10, 13)
+MARKS = 13
 
 
 def begin_marks(marks):
     """Set the marks to what they are before a period."""
     for i in range(MARKS):
         marks[i] = float("inf")
-    for sum_or_most in (SLOWNESS, FASTEST, LOOSE, SWOLLEN, CARRIED, TURNING):
+    for sum_or_most in (SLOWNESS, FASTEST, LOOSE, SWOLLEN, TURNING):
         marks[sum_or_most] = 0.0
 
 

@@ -10,12 +10,13 @@ are within ``far`` of the orbit's, that is while the orbit is within ``far`` of 
 With accelerations of at most a the speed stays above v / 2 over a way of 3 v^2 / (8 a) on either side, so that this
 takes 8/3 far / v; and elsewhere the orbit comes no nearer to a corner than where it turns round. So if sizes are at
 most q in a period, what is added is at most ``bend`` q^2, and to the difference of two such motions at most ``bend`` q
-times the most of that difference. Where ``bend`` q <= 1/2, that most is twice what the derivative makes of it.
+times the most of that difference.
 
-What is added goes on to the end of the period, where it is at most ``carried`` times as large. The derivative is kept
-for 64 parts of a period. Their products say what it makes of a size up to any part, and from any part to the end;
-within a part a size grows at the rate above. So the growth of a whole period at that rate, which may be immense, does
-not matter.
+What is added goes on to a later time, where it is at most so many times as large as the derivative makes it: this is
+part of ``bend``. The derivative is kept for 64 parts of a period. Their products say what it makes of a size from any
+part to any other; within a part a size grows at the rate above. So the growth of a whole period at that rate, which may
+be immense, does not matter. Where what is added up to any time is at most half of q, q is at most twice what the
+derivative makes of the difference at the start.
 
 Let ``swell`` bound what the sum of the absolute powers of the derivative of a period makes of a size of 1, ``most``
 what a period at any time makes of it, and ``missed`` the residual of the orbit. With q = most X, and
@@ -46,7 +47,6 @@ from math import exp, inf, sqrt
 from hknob_cli.engine.general.body import coil_at, norm, stiffness, turn_finger
 from hknob_cli.engine.general.cogging import LENGTH, ROOT, SLOPE, has_cogs, own_stiffness
 from hknob_cli.engine.general.columns import (
-    CARRIED,
     FASTEST,
     LEAST_TURN,
     LEVEL,
@@ -177,24 +177,36 @@ def end_sample(k, period, body, space, m):
         begin_part(space, m)
 
 
-def join_parts(period, body, space, m):
-    """Put the derivative of a period back into its columns; mark what is made of a size on the way to its end."""
+def join_parts(body, space, m):
+    """Put the derivative of a period, of whose parts `end_sample` has kept the product, back into the columns."""
     if body.cogs is None or not len(body.cogs):
         return
-    size = m * m
-    whole, new = MOST_PARTS * size, (MOST_PARTS + 1) * size
+    whole = MOST_PARTS * m * m
     for c in range(m):
         for i in range(m):
             space.cols[c * space.width + i] = space.chain[whole + c * m + i]
-    for i in range(size):
-        space.chain[whole + i] = 1.0 if i % (m + 1) == 0 else 0.0
-    part = (period - 1) // samples_of_part(period)
-    while part >= 0:
-        space.marks[CARRIED] = max(space.marks[CARRIED], size_by(space.chain, whole, body, space, m))
-        multiply(space.chain, whole, m, space.chain, part * size, space.chain, new, m)
+
+
+def carried_between(period, body, space, m):
+    """What the derivative makes of a size of 1, from the start of any part of a period: ``(most, to_end)``.
+
+    Up to the end of any part, and of the period. Overwrites what is kept behind the parts, ``away`` and ``spare``.
+    """
+    size, most, to_end = m * m, 1.0, 1.0
+    whole, new = MOST_PARTS * size, (MOST_PARTS + 1) * size
+    last = (period - 1) // samples_of_part(period)
+    for first in range(last + 1):
         for i in range(size):
-            space.chain[whole + i] = space.chain[new + i]
-        part -= 1
+            space.chain[whole + i] = 1.0 if i % (m + 1) == 0 else 0.0
+        grown = 1.0
+        for part in range(first, last + 1):
+            multiply(space.chain, part * size, m, space.chain, whole, space.chain, new, m)
+            for i in range(size):
+                space.chain[whole + i] = space.chain[new + i]
+            grown = size_by(space.chain, whole, body, space, m)
+            most = max(most, grown)
+        to_end = max(to_end, grown)
+    return most, to_end
 
 
 def swell_of(body, space, m, scale):
@@ -251,7 +263,7 @@ def turn_alike(pace, late, body, marks):
     least = marks[LEAST_TURN]  # above 0, as the level there is at least half of it
     bend = marks[FASTEST] * (stiffness(body) + body.cogs[ROOT])
     pull = stiff + 4.0 * bend / least  # by which torques differ at a turn, times the difference of speeds
-    pace = min(pace, 0.5 * min(marks[LEVEL], least) / pull, WITHIN * least * least / (8.0 * bend))
+    pace = min(pace, 0.5 * min(marks[LEVEL], least) / pull)
     return pace, 16.0 * marks[TURNING] * (stiff + bend / least)
 
 
@@ -282,14 +294,16 @@ def room_over_corners(fast, slow, margin, late, period, body, space, scale):
     if body.friction > 0.0:
         pace, turning = turn_alike(pace, late, body, marks)
         bend += turning
-    carried = min(grown, marks[CARRIED] * part)
-    bend *= carried
+    between, to_end = carried_between(period, body, space, m)
     most = grown  # by what a difference may grow up to any time of a period
     swollen = 2.0 * max(1.0, marks[SWOLLEN]) * exp(min(rate + BESIDE, MOST_GROWTH))
     if swollen < grown:
         most = swollen
-        if pace * bend > 0.5:
-            pace = 0.5 / bend
+        added = bend * min(grown, between * part * part)
+        if pace * added > 0.5:
+            pace = 0.5 / added
+    carried = min(grown, to_end * part)
+    bend *= carried
     missed = missed_by(fast, slow, carried, body, space, m)
     swell = swell_of(body, space, m, scale)
     if not swell < inf:

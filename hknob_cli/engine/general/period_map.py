@@ -110,7 +110,7 @@ def turn(before, ring, head, period, body, wall, space, m):
         if wall.hysteresis > 0.0:
             before = counted
     if m == n:
-        join_parts(period, body, space, m)
+        join_parts(body, space, m)
     if m > n:
         turn_lines(space.line, space.cols, space.away, m, len(ring), first, head)
     return margin, edge, reach, pace, before, head

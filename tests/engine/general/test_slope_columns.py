@@ -22,7 +22,6 @@ from hknob_cli.engine.general.cogging import (
     TURNED,
 )
 from hknob_cli.engine.general.columns import (
-    CARRIED,
     CORNER_ROOM,
     FASTEST,
     LEAST_TURN,
@@ -108,7 +107,8 @@ class Marked:
         self.levels = [abs(self.known.level())] if case.z[1] == 0.0 else []
         self.room, self.loose = self.known.room(), 0.0
         self.turn_room = self.room if case.z[1] == 0.0 else inf
-        self.speeds, self.turns, self.stuck = list[float](), list[float](), list[float]()
+        self.speeds, self.turns = list[float](), list[float]()
+        self.stuck = [level * case.span for level in self.levels]
         self.largest, self.top = 0.0, 0.0  # acceleration of the knob; root of the energy of rates at a piece's start
         self.way, self.time = self.known.mode, 0.0
         for one in case.events:
@@ -169,7 +169,7 @@ def check_marks(case: Case, marks: list[float]) -> Marked:
     assert marks[SLOWNESS] == near_sum(found.speeds, off)
     assert marks[SLOWEST] == pytest.approx(min(found.speeds, default=inf), **close)
     assert marks[LOOSE] == pytest.approx(found.loose, abs=1e-7)
-    assert marks[SWOLLEN] == marks[CARRIED] == 0.0
+    assert marks[SWOLLEN] == 0.0
     assert found.largest <= found.top * exp(case.body.cogs[ROOT] * case.span) * (1.0 + 1e-7)
     assert max(found.largest, found.top) <= marks[FASTEST] * (1.0 + 1e-7)
     assert marks[FASTEST] <= found.top * exp(case.body.cogs[ROOT] * case.span) * (1.0 + 1e-7)

@@ -14,9 +14,10 @@ from scipy.linalg import eigh
 from hknob_cli.engine.general import columns, corners
 from hknob_cli.engine.general.body import Body, norm
 from hknob_cli.engine.general.cogging import SLOPE, energy_apart
-from hknob_cli.engine.general.columns import CARRIED, SPEED, SWOLLEN
+from hknob_cli.engine.general.columns import SPEED, STUCK_FOR, SWOLLEN
 from hknob_cli.engine.general.corners import (
     begin_part,
+    carried_between,
     end_sample,
     goes_over,
     growth_rate,
@@ -80,10 +81,9 @@ def test_which_bodies_may_go_over_corners() -> None:
         ({"cogs": []}, False),
         ({"play": 1e-9}, False),
         ({"ratio": 1.0, "coil": 1.0, "lag": 1.0}, True),
+        ({"order": 4, "ratio": 1.0}, True),
         ({"friction": 1e-9}, True),
-        ({"friction": 1.0, "lag": 1.0}, True),
-        ({"friction": 1e-9, "ratio": 1e-9}, False),
-        ({"friction": 1e-9, "coil": 1e-9}, False),
+        ({"friction": 1e-9, "order": 3}, False),
         ({"friction": 1e-9, "play": 1.0}, False),
     ):
         assert goes_over(PLAIN._replace(**changed)) is wanted
@@ -98,7 +98,9 @@ def test_a_size_of_one_reaches_as_far_as_the_springs_let_it() -> None:
 def test_a_size_grows_by_what_a_slope_pushes_less_what_damps() -> None:
     assert growth_rate(PLAIN) == 2.125 - 1.0
     assert growth_rate(PLAIN._replace(alpha=0.0)) == 1.875
-    assert growth_rate(PLAIN._replace(alpha=8.0)) == sqrt(16.0 + 1.875**2) - 4.0
+    assert growth_rate(PLAIN._replace(alpha=8.0)) == pytest.approx(sqrt(16.0 + 1.875**2) - 4.0, rel=1e-14)
+    weak = PLAIN._replace(alpha=8.0, cogs=[1e-20, *COGS[1:]], reach=1.0)  # (1e-20)^2 / 8, which 4 does not swallow
+    assert growth_rate(weak) == pytest.approx(1.25e-41, rel=1e-14)
     assert growth_rate(PLAIN._replace(reach=inf, alpha=0.0)) == pytest.approx(sqrt(3.75), rel=1e-15)
 
 
@@ -230,7 +232,7 @@ def test_a_part_begins_as_a_motion_of_its_own() -> None:
 @pytest.mark.parametrize("name", BODIES)
 @pytest.mark.parametrize("period", [1, 2, 5, 64, 65, 130, 191])
 def test_a_period_is_put_together_of_its_parts(name: str, period: int) -> None:
-    """Of a derivative for each sample: what it makes of a size up to any, and from any part's end; columns at last."""
+    """Of a derivative for each sample: what it makes of a size up to any; columns at last; and from part to part."""
     body, numbers = BODIES[name], np.random.default_rng(period)
     n = body.order
     space, width = space_of(n), space_of(n).width
@@ -249,31 +251,44 @@ def test_a_period_is_put_together_of_its_parts(name: str, period: int) -> None:
         if (k + 1) % each == 0 or k == period - 1:
             whole_parts.append(part)
             part = np.eye(n)
-    assert space.marks[CARRIED] == 0.0
-    join_parts(period, body, space, n)
+    join_parts(body, space, n)
     cols = np.array(space.cols[: width * n]).reshape(n, width)[:, :n].T
     np.testing.assert_allclose(cols, whole, rtol=1e-9, atol=1e-9 * np.abs(whole).max())
-    left, carried = np.eye(n), []
-    for one in reversed(whole_parts):
-        carried.append(swelling(left, body))
-        left = left @ one
-    assert space.marks[CARRIED] == pytest.approx(max(carried), rel=1e-9)
+    between, to_end = [1.0], [1.0]
+    for first in range(len(whole_parts)):
+        product_of = np.eye(n)
+        for one in whole_parts[first:]:
+            product_of = one @ product_of
+            between.append(swelling(product_of, body))
+        to_end.append(between[-1])
+    assert carried_between(period, body, space, n) == pytest.approx((max(between), max(to_end)), rel=1e-9)
     assert space.marks[SWOLLEN] == pytest.approx(most, rel=1e-9)
 
 
+def test_what_shrinks_again_counts_between_and_not_at_the_end() -> None:
+    """Of three samples the second grows eightfold and the third shrinks as much."""
+    space = space_of(2)
+    begin_part(space, 2)
+    for k, factor in enumerate((0.5, 8.0, 0.125)):
+        fill(space, factor * np.eye(2))
+        end_sample(k, 3, PLAIN, space, 2)
+    one = swelling(np.eye(2), PLAIN)
+    assert carried_between(3, PLAIN, space, 2) == (pytest.approx(8.0 * one), pytest.approx(one))
+    assert space.marks[SWOLLEN] == pytest.approx(4.0 * one)
+
+
 def test_what_was_marked_before_counts() -> None:
-    space = space_of(2, SWOLLEN=99.0, CARRIED=98.0)
+    space = space_of(2, SWOLLEN=99.0)
     fill(space, np.eye(2))
     end_sample(0, 1, PLAIN, space, 2)
-    join_parts(1, PLAIN, space, 2)
-    assert (space.marks[SWOLLEN], space.marks[CARRIED]) == (99.0, 98.0)
+    assert space.marks[SWOLLEN] == 99.0
 
 
 def test_without_cogging_nothing_is_kept() -> None:
     for cogs in (None, []):
         space, bare = space_of(2), PLAIN._replace(cogs=cogs)
         end_sample(0, 1, bare, space, 2)
-        join_parts(1, bare, space, 2)
+        join_parts(bare, space, 2)
         assert space.marks == fresh_marks()
         assert {*space.chain, *space.cols} == {7.0}
         assert room_over_corners(0.0, 0.0, 1.0, 0.0, 1, bare, space, 1.0) == (-1.0, inf, inf)
@@ -362,36 +377,35 @@ RUBS = PLAIN._replace(friction=1.0)
 
 
 def test_what_friction_does_is_alike_while_torques_and_speeds_are() -> None:
-    """Without a turn: of the level by 4 for springs, 2 for the damping, and what a lag and late torques may add."""
+    """Without a turn: of the level by 4 for springs, 2 for the damping, and what late torques may add."""
     for body, late, stiff in (
         (RUBS, 0.0, 6.0),
         (RUBS, 1.0, 7.0),
-        (RUBS._replace(lag=0.5, order=3), 0.0, 7.0),
         (RUBS._replace(alpha=3.0), 0.0, 7.0),
         (RUBS._replace(reach=inf), 0.0, 2.0 * sqrt(3.75) + 2.0),
     ):
-        marks = marked(LEVEL=0.25, SPEED=9.0, LEAST_TURN=1e-9, STUCK_FOR=1e-9, FASTEST=1e9)
-        level = 0.9 * 0.25 / stiff
+        marks = marked(LEVEL=0.25, SPEED=9.0, LEAST_TURN=1e-9, STUCK_FOR=9.0, FASTEST=1e9)
+        level = 0.5 * 0.25 / stiff
         for pace in (0.5 * level, 2.0 * level):
             assert turn_alike(pace, late, body, marks) == (pytest.approx(min(pace, level), rel=1e-15), 0.0)
         marks[SPEED] = 0.5 * level
         assert turn_alike(9.0, late, body, marks) == (pytest.approx(0.45 * level, rel=1e-15), 0.0)
+        marks[STUCK_FOR] = 0.5 * level
+        assert turn_alike(9.0, late, body, marks) == (pytest.approx(0.1125 * level, rel=1e-15), 0.0)
     assert turn_alike(0.375, 0.0, RUBS, fresh_marks()) == (0.375, 0.0)
 
 
 @pytest.mark.parametrize("late", [0.0, 1.0])
-@pytest.mark.parametrize("lag", [0.0, 0.5])
-def test_a_turn_is_alike_while_its_deceleration_is(late: float, lag: float) -> None:
+def test_a_turn_is_alike_while_its_deceleration_is(late: float) -> None:
     """By 4 and 2 as before, and 9/2 for what torques change by, of accelerations up to 8, while one turns later."""
-    body = RUBS._replace(lag=lag, order=3 if lag else 2)
-    stiff, bend = 6.0 + 2.0 * lag + late, 8.0 * (2.5 + 2.0 + lag)
+    stiff, bend = 6.0 + late, 8.0 * (2.5 + 2.0)
     easy = {"LEVEL": 1e9, "SPEED": 1e9, "STUCK_FOR": 1e9, "FASTEST": 8.0, "TURNING": 0.75}
     for least in (0.25, 4.0, 256.0):
         pull = stiff + 4.0 * bend / least
         added = 16.0 * 0.75 * (stiff + bend / least)
         limits = {
-            "turn": min(0.45 * least / pull, 0.9 * least**2 / (8.0 * bend)),
-            "LEVEL": 0.9 * 0.0625 / pull,
+            "turn": 0.5 * least / pull,
+            "LEVEL": 0.5 * 0.0625 / pull,
             "SPEED": 0.9 * 0.0625,
             "STUCK_FOR": 0.9 * 0.25 * 0.0625,
         }
@@ -399,7 +413,7 @@ def test_a_turn_is_alike_while_its_deceleration_is(late: float, lag: float) -> N
             marks = marked(**(easy | {"LEAST_TURN": least} | ({name: 0.0625} if name != "turn" else {})))
             wanted = min(limit, limits["turn"])
             for pace in (0.5 * wanted, 1e9):
-                found = turn_alike(pace, late, body, marks)
+                found = turn_alike(pace, late, RUBS, marks)
                 assert found == (pytest.approx(min(pace, wanted), rel=1e-14), pytest.approx(added, rel=1e-14))
 
 
@@ -410,9 +424,10 @@ class Parts:
     """Stands in for what `room_over_corners` is made of; keeps what each is asked with."""
 
     def __init__(self, patch: pytest.MonkeyPatch, **said: Any) -> None:
-        self.said = {"far": 0.5, "bend": 0.0, "pace": 0.25, "turning": 0.0, "missed": 0.0, "swell": 2.0} | said
+        self.said = {"far": 0.5, "bend": 0.0, "pace": 0.25, "turning": 0.0, "missed": 0.0, "swell": 2.0}
+        self.said |= {"between": 1e300, "to_end": 1e300} | said
         self.asked: dict[str, Any] = {}
-        for name in ("pass_corners", "turn_alike", "missed_by", "swell_of"):
+        for name in ("pass_corners", "turn_alike", "missed_by", "swell_of", "carried_between"):
             patch.setattr(corners, name, self.stand_in(name))
 
     def stand_in(self, name: str) -> Any:
@@ -422,6 +437,7 @@ class Parts:
             "turn_alike": (one["pace"], one["turning"]),
             "missed_by": one["missed"],
             "swell_of": one["swell"],
+            "carried_between": (one["between"], one["to_end"]),
         }[name]
 
         def answered(*given: Any) -> Any:
@@ -437,10 +453,12 @@ def room(
     body: Body = PLAIN,
     margin: float = 9.0,
     period: int = 4,
+    speed: float = 1.0,
     **said: Any,
 ) -> tuple[tuple[float, float, float], dict[str, Any]]:
     parts = Parts(patch, **said)
-    space = space_of(body.order, **({"CARRIED": 1e300} | (marks or {})))
+    space = space_of(body.order, **(marks or {}))
+    space.orbit[1] = speed
     return room_over_corners(0.125, 0.25, margin, 0.5, period, body, space, 0.375), parts.asked
 
 
@@ -451,10 +469,10 @@ def test_the_room_is_asked_for_with_what_is_known(monkeypatch: pytest.MonkeyPatc
         assert asked["pass_corners"] == (
             pytest.approx(far, rel=1e-15),
             PLAIN,
-            marked(TURN_ROOM=turn_room, CARRIED=1e300),
+            marked(TURN_ROOM=turn_room),
         )
         assert "turn_alike" not in asked
-    marks = {"LOOSE": 2.0, "SWOLLEN": 3.0, "CARRIED": 1e300}
+    marks = {"LOOSE": 2.0, "SWOLLEN": 3.0}
     found, asked = room(monkeypatch, marks, RUBS)
     assert asked["turn_alike"] == (1.0, 0.5, RUBS, marked(**marks))  # half a count is a size of 1
     assert asked["missed_by"][:4] == (0.125, 0.25, found[2], RUBS)
@@ -470,7 +488,7 @@ def test_growth_within_a_period_is_told_up_to_where_no_room_is_left(monkeypatch:
         assert room(monkeypatch, {"LOOSE": loose})[0][2] == pytest.approx(grown, rel=1e-9)
         assert room(monkeypatch, {"LOOSE": loose}, swell=inf)[0] == (-1.0, inf, pytest.approx(grown, rel=1e-9))
     steep = PLAIN._replace(cogs=[1e6, *COGS[1:]])  # a rate of 999
-    assert room(monkeypatch, {"LOOSE": 1.0, "CARRIED": 1.0}, steep, bend=1e-9)[0][0] > 0.0
+    assert room(monkeypatch, {"LOOSE": 1.0}, steep, to_end=1.0, bend=1e-9)[0][0] > 0.0
 
 
 def test_what_is_added_is_carried_to_the_end_of_a_period(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -480,12 +498,34 @@ def test_what_is_added_is_carried_to_the_end_of_a_period(monkeypatch: pytest.Mon
             grown, part = exp(1.125 * loose + 0.1), exp(1.125 * min(loose, each) + 0.1)
             for carried in (0.5, 2.0, 1e300):
                 wanted = min(grown, carried * part)
-                marks = {"LOOSE": loose, "CARRIED": carried}
-                found, asked = room(monkeypatch, marks, bend=100.0, period=period)
+                found, asked = room(monkeypatch, {"LOOSE": loose}, to_end=carried, bend=100.0, period=period)
                 most = min(grown, 2.0 * exp(1.225))
-                size = 0.5 / (2.0 * 100.0 * wanted * most**2)
+                pace = 0.5 / (100.0 * grown) if most < grown else 1.0
+                size = min(pace / most, 0.5 / (2.0 * 100.0 * wanted * most**2))
                 assert found[0] == pytest.approx(size / 4.0 * 0.5, rel=1e-12)
                 assert asked["missed_by"][2] == pytest.approx(wanted, rel=1e-12)
+
+
+def test_a_size_is_at_most_twice_what_the_derivative_makes_where_little_is_added(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Added up to any time: from the end of a part to another by the derivative, and within both by the rate."""
+    for period, each in ((4, 1.0), (65, 2.0), (129, 3.0)):
+        for between in (0.5, 2.0, 1e300):
+            grown, part = exp(1.125 * 9.0 + 0.1), exp(1.125 * each + 0.1)
+            said = {"bend": 100.0, "swell": 1e-9, "to_end": 1e-3, "between": between, "period": period}
+            found, _ = room(monkeypatch, {"LOOSE": 9.0}, **said)
+            pace = 0.5 / (100.0 * min(grown, between * part * part))
+            assert found[0] == pytest.approx(pace / (2.0 * exp(1.225)) / 2e-9 * 0.5, rel=1e-12)
+
+
+def test_a_motion_that_has_yet_to_stop_has_less_room(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By a fifth, where friction holds the orbit at its start."""
+    for body, speed, part in ((RUBS, 0.0, 0.8), (RUBS, -1e-300, 1.0), (PLAIN, 0.0, 1.0)):
+        found, _ = room(monkeypatch, body=body, speed=speed)
+        other, _ = room(monkeypatch, body=body)
+        assert found[0] == pytest.approx(part * other[0], rel=1e-14)
+        assert found[1:] == other[1:]
 
 
 @pytest.mark.parametrize("missed", [0.0, 2.0**-10])

@@ -17,7 +17,7 @@ from hknob_cli.engine.certificate import PROVEN
 from hknob_cli.engine.general import corners, orbit_proof
 from hknob_cli.engine.general.body import norm
 from hknob_cli.engine.general.cogging import SLOPE, far_around
-from hknob_cli.engine.general.columns import CARRIED, CORNER_ROOM, LOOSE, SLOWNESS, STUCK_FOR, SWOLLEN, TURNING
+from hknob_cli.engine.general.columns import CORNER_ROOM, LOOSE, SLOWNESS, STUCK_FOR, SWOLLEN, TURNING
 from hknob_cli.engine.general.controller import command, read_after
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.orbit_proof import certify
@@ -45,7 +45,6 @@ CELLS: dict[str, tuple[dict[str, Any], float, int, tuple[float, float], int]] = 
     "finger": (cogged(1.12e-3, 132, 0.016, hand=TWO_PARTS), 500.0, 128, (-2.0, 0.5), 12),
     "lag": (cogged(7.06e-4, 132, 0.0441, actuator=LAG), 500.0, 512, (-2.0, -0.5), 10),
     "friction": (cogged(1.25e-4, 132, -0.0419, knob=LIGHT), 500.0, 128, (-2.0, 0.5), 9),
-    "friction, lag": (cogged(2.92e-4, 200, -0.0103, knob=LIGHT, actuator=LAG), 500.0, 1024, (-2.0, 0.5), 10),
     "sticks": (
         cogged(1.81e-3, 132, 0.0136, knob={"coulomb_torque": 7.22e-4}, actuator=TWO_LATE), 500.0, 256, (-2.0, 0.5), 16
     ),
@@ -54,6 +53,9 @@ CELLS: dict[str, tuple[dict[str, Any], float, int, tuple[float, float], int]] = 
         250.0, 1024, (-2.0, 0.5), 34,
     ),
 }  # fmt: skip
+
+
+PARTS_OF_ROOM = ("pass_corners", "turn_alike", "missed_by", "swell_of", "carried_between")
 
 
 class Cycle:
@@ -77,7 +79,10 @@ class Cycle:
         said: dict[str, Any] = {"turn_alike": (0.0, 0.0)}
         with pytest.MonkeyPatch.context() as patch:
             for module, part in (
-                *((corners, part) for part in ("pass_corners", "turn_alike", "missed_by", "swell_of")),
+                *(
+                    (corners, part)
+                    for part in ("pass_corners", "turn_alike", "missed_by", "swell_of", "carried_between")
+                ),
                 (orbit_proof, "room_over_corners"),
             ):
                 patch.setattr(module, part, self.noting(getattr(module, part), part, said))
@@ -89,7 +94,7 @@ class Cycle:
         self.room, _, grown = said["room_over_corners"]
         rate = corners.growth_rate(self.body)
         # What is added goes on by its rates, or by the derivative from the end of a sample; no period has more parts.
-        carried = min(grown, self.marks[CARRIED] * exp(rate * min(self.marks[LOOSE], 1.0) + 0.1))
+        carried = min(grown, said["carried_between"][1] * exp(rate * min(self.marks[LOOSE], 1.0) + 0.1))
         self.bend = (said["pass_corners"][1] + said["turn_alike"][1]) * carried
         # What a difference grows to at most, so too.
         self.most = min(grown, 2.0 * max(1.0, self.marks[SWOLLEN]) * exp(rate + 0.1))

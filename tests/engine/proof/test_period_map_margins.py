@@ -441,7 +441,8 @@ def test_a_cycle_over_corners_is_proven_where_there_is_room(monkeypatch: pytest.
         if status == PROVEN:
             assert (found.margin, found.bound) == (room + 0.0625, 0.0625)
         else:
-            assert (found.margin, found.bound) == (0.4, 0.0625)
+            assert found.margin == 0.4
+            assert found.bound < 1e-12
         ((fast, slow, margin, late, period, body_asked, space, scale),) = asked
         assert (fast, slow) == (32.0 * EPSILON * 3.5, 32.0 * EPSILON * 1.0)
         assert (margin, late, period, body_asked, space, scale) == (0.4, 0.0, 4, one, found.space, 0.5 / 3.5)

@@ -87,7 +87,7 @@ def turn_with_law(past, period, body, wall, law, space, m):
                 margin = min(margin, edge_gap(space.state[0], past[look], before, law.watch))
         end_sample(k, period, body, space, m)
         pace = max(pace, abs(space.state[0] - x))
-    join_parts(period, body, space, m)
+    join_parts(body, space, m)
     return margin, edge, reach, pace, guard, strength, anchored
 
 
@@ -262,9 +262,9 @@ def certify_with_law(z, past, period, body, wall, law, space):
     if parts:
         if not goes_over(body):
             return PARTS, margin, edge, closure, bound
-        room, bound, grown = room_over_corners(fast, slow, margin, 1.0, period, body, space, scale)
+        room, off, grown = room_over_corners(fast, slow, margin, 1.0, period, body, space, scale)
         if not room > NEAREST * (reach + pace):
             return PARTS, margin, edge, closure, bound
-        margin = room / grown + bound  # torques under way may push a motion, too
+        margin, bound = room / grown + off, off  # torques under way may push a motion, too
     captured = is_captured(z, past, margin, bound, body, law, space)
     return (PROVEN if captured else NOT_CAPTURED), margin, edge, closure, bound
