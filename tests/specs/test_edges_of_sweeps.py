@@ -184,10 +184,10 @@ def test_which_lag_excludes_another() -> None:
 
 
 def test_what_the_last_cell_has_is_told() -> None:
-    text = SPEC.replace("  bias:", "  cogging: {per_revolution: 7}\n  bias:")
-    plan = load_text(text.replace("[1024]", "[1024]\n  cogging.torque: [0, 1.0e-4]"), "spec.yaml")
+    text = SPEC.replace("  bias:", "  clock: {jitter: 0}\n  bias:")
+    plan = load_text(text.replace("[1024]", "[1024]\n  clock.jitter: [0, 1.0e-5]"), "spec.yaml")
     assert isinstance(plan, SweepPlan)
-    assert not_proven(plan) == ["what is found may stay unproven: the scene has cogging torque"]
+    assert not_proven(plan) == ["what is found may stay unproven: the scene has a sample clock that jitters"]
 
 
 def test_points_in_no_order_are_none() -> None:

@@ -167,7 +167,8 @@ class Run:
         for k, (alpha, beta, split) in enumerate(plants):
             self.cells[CELL * k : CELL * k + 9] = [alpha, beta, 0.5, 0.375, 0.25, split, 2.0, 10.0 + k, 0.5]
         self.arcs, self.known = arcs_of(), room_of(4)
-        self.room = SimpleNamespace(order=[0.0] * 8, table=[0.0] * 80, lines=[], drive=[0.0] * 100, parts=[5.0] * 36)
+        holds = SimpleNamespace(drive=[0.0] * 100)
+        self.room = SimpleNamespace(order=[0.0] * 8, table=[0.0] * 80, lines=[], holds=holds, parts=[5.0] * 36)
         self.out, self.told = [0.0] * (FIELD * more.get("slots", 99)), [9.0] * (TOLD * len(plants))
 
     def follow_cell(self, loop: Any, start: Any, most: int, tries: int, left: int, *rest: Any) -> Any:
