@@ -53,7 +53,7 @@ def taking_fields(function: Drawing) -> Drawing:
     options: list[Parameter] = []
     for one in given.parameters.values():
         options += _fields(groups[one.name]) if one.name in groups else [one]
-    packed.__signature__ = given.replace(parameters=options)  # type: ignore[attr-defined]
+    vars(packed)["__signature__"] = given.replace(parameters=options)
     packed.__doc__ = "\n\n".join(cleandoc(one.__doc__ or "") for one in (function, *groups.values()))
     return packed
 

@@ -11,9 +11,7 @@ half). So one of them is periodic, and all others come to it.
 
 from hknob_cli.engine.general.controller import bends, command, edge_gap, read_after
 from hknob_cli.engine.general.interval import advance_columns, move_columns
-from hknob_cli.engine.general.powers import GONE, unit
-
-TAIL = 1.01  # of the sum of 1, `GONE`, its square, ...
+from hknob_cli.engine.general.powers import GONE, TAIL, unit
 
 
 def answer_to_torque(before, head, body, wall, space, at):

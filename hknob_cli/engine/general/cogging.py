@@ -8,7 +8,7 @@ the even ones stable; the number follows from the angle, so that cogging needs n
 The energy of the rates, with the spring of a stable slope, never grows on a stable slope; on an unstable one its root
 grows by exp(sqrt(slope) t) at most. Two motions with the same commands on one slope keep closer than the energy of
 their difference allows, as long as all springs on the knob together hold it (`hold_stiffness`); where one of them comes
-past a corner, nothing is known.
+past a corner, `corners` bounds what that adds.
 
 The compiler makes code of its own for scenes without any part of this kind, in which nothing of this is left: cogs that
 are None are known by their type. Beside other such parts they are empty (`search.as_compiled`).

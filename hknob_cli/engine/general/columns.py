@@ -30,6 +30,13 @@ def begin_marks(marks):
         marks[sum_or_most] = 0.0
 
 
+def begin_columns(space, count):
+    """The derivatives of the state by itself, ``count`` columns."""
+    for c in range(count):
+        for i in range(space.width):
+            space.cols[c * space.width + i] = 1.0 if i == c else 0.0
+
+
 def feed(shown, before, delay, head, wall, cols, count, width):
     """Derivatives of the commands of this interval, by a continuous sensor and through the delay, in every column."""
     now, last = slopes(shown, before, wall)

@@ -58,8 +58,9 @@ from hknob_cli.engine.general.columns import (
     SWOLLEN,
     TURN_ROOM,
     TURNING,
+    begin_columns,
 )
-from hknob_cli.engine.general.powers import GONE, growth_bound, unit
+from hknob_cli.engine.general.powers import GONE, TAIL, growth_bound, unit
 
 WINDOW = 0.375  # of v^2 / a: the way beside a corner on which the speed is at least half of that at it
 PASSING = 8.0 / 3.0  # times far / v: the time within ``far`` of a corner
@@ -69,7 +70,6 @@ MOST_PARTS = 64  # of a period, whose derivatives are kept
 FROM_STANDSTILL = 0.8  # of a size, where the orbit begins with a speed of 0 and another motion has yet to stop
 NEAREST = 1e-13  # of an orbit's size: a trial so near to it is as near as it may come
 WITHIN = 0.9  # of what there is room for
-TAIL = 1.01  # of the sum of 1, `GONE`, its square, ...
 
 
 def goes_over(body):
@@ -145,13 +145,6 @@ def size_by(map_, at, body, space, m):
     return size_of(space.away, body)
 
 
-def begin_part(space, m):
-    """Set the columns to those of a motion that begins here."""
-    for c in range(m):
-        for i in range(space.width):
-            space.cols[c * space.width + i] = 1.0 if i == c else 0.0
-
-
 def end_sample(k, period, body, space, m):
     """Mark what the derivative has become by the end of a period's sample ``k``; keep it where a part ends.
 
@@ -174,7 +167,7 @@ def end_sample(k, period, body, space, m):
                 space.chain[part + c * m + i] = space.cols[c * space.width + i]
         for i in range(size):
             space.chain[whole + i] = space.chain[new + i]
-        begin_part(space, m)
+        begin_columns(space, m)
 
 
 def join_parts(body, space, m):

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import turn_finger
 from hknob_cli.engine.general.cogging import SIZE, cog_number, far_apart, has_cogs, reach_on
-from hknob_cli.engine.general.columns import CORNER_ROOM, PRESSED, begin_marks
+from hknob_cli.engine.general.columns import CORNER_ROOM, PRESSED, begin_columns, begin_marks
 from hknob_cli.engine.general.controller import (
     bends,
     command,
@@ -66,10 +66,7 @@ def turn_lines(line, cols, away, m, delay, first, head):
 
 def begin_period(ring, body, space, m):
     """Set the motion in ``space`` to the orbit's start, and its derivative by m numbers of the state to 1."""
-    width = space.width
-    for c in range(m):
-        for i in range(width):
-            space.cols[c * width + i] = 1.0 if i == c else 0.0
+    begin_columns(space, m)
     for i in range(body.order):
         space.state[i] = space.orbit[i]
     for j in range(len(ring)):

@@ -14,6 +14,7 @@ from hknob_cli.engine.certificate import EPSILON
 
 POWERS = 4096  # of the derivative, until a difference is gone
 GONE = 1e-3
+TAIL = 1.01  # of the sum of 1, `GONE`, its square, ...
 DOUBLINGS = 60
 ROUNDINGS = 64.0  # of a product of m terms, m times as many
 

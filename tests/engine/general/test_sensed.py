@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from hknob_cli.engine.certificate import PROVEN
+from hknob_cli.engine.general.columns import begin_columns
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.laws.cascade import sums_agree
 from hknob_cli.engine.general.laws.law import AT_SWITCH
 from hknob_cli.engine.general.laws.period import certify_with_law
 from hknob_cli.engine.general.laws.search import LawEngine
-from hknob_cli.engine.general.laws.sensed import begin_columns, carried, chart_interval, move_columns, sense
+from hknob_cli.engine.general.laws.sensed import carried, chart_interval, move_columns, sense
 from hknob_cli.engine.general.laws.step import FREE, advance_with_law, driven_slope
 from hknob_cli.engine.general.search import make_space
 from hknob_cli.engine.outcome import Outcome, Reason

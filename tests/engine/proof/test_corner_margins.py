@@ -14,9 +14,8 @@ from scipy.linalg import eigh
 from hknob_cli.engine.general import columns, corners
 from hknob_cli.engine.general.body import Body, norm
 from hknob_cli.engine.general.cogging import SLOPE, energy_apart
-from hknob_cli.engine.general.columns import SPEED, STUCK_FOR, SWOLLEN
+from hknob_cli.engine.general.columns import SPEED, STUCK_FOR, SWOLLEN, begin_columns
 from hknob_cli.engine.general.corners import (
-    begin_part,
     carried_between,
     end_sample,
     goes_over,
@@ -119,7 +118,7 @@ def energy_of(body: Body) -> Any:
 
 @pytest.mark.parametrize("name", [name for name in SCENES if "rubs" not in name])
 def test_no_difference_grows_faster(name: str) -> None:
-    """The largest rate of all on an unstable slope, by matrices of rates and energy; on a stable one there is none."""
+    """Matrices of rates and energy say the largest rate of all on an unstable slope. On a stable one it is 0."""
     body = body_of(name)
     energy, n = energy_of(body), body.order - (body.lag > 0.0)
     known = Cogged(body, [0.0] * body.order, 0.0)
@@ -225,7 +224,7 @@ def test_what_a_matrix_makes_of_a_size(name: str) -> None:
 
 def test_a_part_begins_as_a_motion_of_its_own() -> None:
     space = space_of(3)
-    begin_part(space, 2)
+    begin_columns(space, 2)
     assert space.cols == [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, *[7.0] * 16]
 
 
@@ -237,7 +236,7 @@ def test_a_period_is_put_together_of_its_parts(name: str, period: int) -> None:
     n = body.order
     space, width = space_of(n), space_of(n).width
     steps = [np.eye(n) + numbers.normal(0.0, 0.2, (n, n)) - 0.05 * np.eye(n) for _ in range(period)]
-    begin_part(space, n)
+    begin_columns(space, n)
     whole, most, whole_parts, part = np.eye(n), 0.0, [], np.eye(n)
     each = -(-period // 64)
     for k, step in enumerate(steps):
@@ -268,7 +267,7 @@ def test_a_period_is_put_together_of_its_parts(name: str, period: int) -> None:
 def test_what_shrinks_again_counts_between_and_not_at_the_end() -> None:
     """Of three samples the second grows eightfold and the third shrinks as much."""
     space = space_of(2)
-    begin_part(space, 2)
+    begin_columns(space, 2)
     for k, factor in enumerate((0.5, 8.0, 0.125)):
         fill(space, factor * np.eye(2))
         end_sample(k, 3, PLAIN, space, 2)
@@ -313,10 +312,6 @@ def test_the_sum_of_powers_swells_a_size(name: str, scale: float) -> None:
 
 def test_a_trial_is_as_near_as_it_may_come_within_a_few_hundred_roundings() -> None:
     assert corners.NEAREST == 1e-13
-
-
-def test_the_tail_of_powers_is_more_than_the_rest_of_them() -> None:
-    assert corners.TAIL * (1.0 - corners.GONE) > 1.0
 
 
 @pytest.mark.parametrize("name", BODIES)

@@ -7,9 +7,10 @@ What fades of its memory decays by itself.
 from math import log
 
 from hknob_cli.engine.general.body import copy_to
+from hknob_cli.engine.general.columns import begin_columns
 from hknob_cli.engine.general.controller import read_after
 from hknob_cli.engine.general.laws.law import LOOK, PIECE, TORQUE
-from hknob_cli.engine.general.laws.sensed import begin_columns, move_piece_columns
+from hknob_cli.engine.general.laws.sensed import move_piece_columns
 from hknob_cli.engine.general.laws.step import count_piece, decide
 from hknob_cli.engine.general.parting import normalise
 

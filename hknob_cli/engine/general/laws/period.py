@@ -10,7 +10,7 @@ from math import sqrt
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.general.body import copy_to
 from hknob_cli.engine.general.cogging import SIZE, cog_number, hold_stiffness, reach_on
-from hknob_cli.engine.general.columns import begin_marks
+from hknob_cli.engine.general.columns import begin_columns, begin_marks
 from hknob_cli.engine.general.controller import count_gap, edge_gap, read_after, table_size
 from hknob_cli.engine.general.corners import NEAREST, end_sample, goes_over, join_parts, room_over_corners
 from hknob_cli.engine.general.laws.cascade import (
@@ -23,7 +23,7 @@ from hknob_cli.engine.general.laws.cascade import (
     sums_agree,
 )
 from hknob_cli.engine.general.laws.law import AT_SWITCH, LOOK, PIECE, ROUNDINGS
-from hknob_cli.engine.general.laws.sensed import begin_columns, certify_sensed, move_piece_columns
+from hknob_cli.engine.general.laws.sensed import certify_sensed, move_piece_columns
 from hknob_cli.engine.general.laws.step import FREE, advance_with_law, count_piece, decide
 from hknob_cli.engine.general.orbit_proof import (
     AT_EVENT,

@@ -14,6 +14,7 @@ Rest is a period of one sample.
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.general.advance import rub_columns
 from hknob_cli.engine.general.body import copy_to
+from hknob_cli.engine.general.columns import begin_columns
 from hknob_cli.engine.general.controller import count_gap, edge_gap, read, table_size
 from hknob_cli.engine.general.laws.cascade import same_count
 from hknob_cli.engine.general.laws.law import AT_SWITCH, BLOCK, PIECE, ROUNDINGS, SPAN, STOP, TORQUE, F, G, S
@@ -21,13 +22,6 @@ from hknob_cli.engine.general.laws.step import decide
 from hknob_cli.engine.general.orbit_proof import EXPANDS, scale_of
 from hknob_cli.engine.general.period_map import NEWTON_STEPS, closure_of
 from hknob_cli.engine.general.powers import bound_growth, dissipates, invert
-
-
-def begin_columns(space, count):
-    """The derivatives of the state by itself, ``count`` columns."""
-    for c in range(count):
-        for i in range(space.width):
-            space.cols[c * space.width + i] = 1.0 if i == c else 0.0
 
 
 def move_piece_columns(past, at, body, law, space, count):
