@@ -92,7 +92,7 @@ CHANGES: dict[str, dict[str, Any]] = {
     "supply": {"scene": {"motor": {**MOTOR, "winding": "voltage", "supply_voltage": 0.5}}},
     "eddy_brake": {"scene": {"eddy_brake": BRAKE}},
     "gear": {"scene": {"gear": {"ratio": 2.5, "motor_inertia": 1e-8}}},
-    "mesh": {"scene": {"gear": {"ratio": 2.5, "motor_inertia": 1e-8, "stiffness": 20.0, "mesh_damping": 1e-3}}},
+    "mesh": {"scene": {"gear": {"ratio": 5.0, "motor_inertia": 1e-8, "stiffness": 20.0, "mesh_damping": 1e-3}}},
     "play": {"scene": {"gear": {"ratio": 2.5, "motor_inertia": 1e-8, "stiffness": 20.0, "backlash": 0.002}}},
     "cogging": {"scene": {"cogging": {"torque": 3e-4, "per_revolution": 84, "centre": 0.03}}},
     "squeeze": {

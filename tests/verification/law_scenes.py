@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from hknob_cli.controllers.scalar_law import LawKnob, make_law
-from hknob_cli.engine.attractors import Attractor
+from hknob_cli.engine.attractors import Attractor, Patience
 from hknob_cli.engine.general.laws.search import LawEngine
 from hknob_cli.engine.jit import compiled
 from hknob_cli.specs.electrical import reduced
@@ -13,6 +13,8 @@ from hknob_cli.specs.scene import SceneSpec
 from tests.controllers.laws import EVERY
 
 from .general_scenes import GRASP, TWO_PARTS, scene
+
+FOR_EVER = Patience(samples=2**50)
 
 FEATURES = ("friction", "viscous", "finger", "delay", "lag", "limit", "step", "virtual damping", "rounding", "offset")
 
@@ -78,7 +80,7 @@ def search(
     one: Drawn, made: LawKnob, phases: int = 4, *, in_code: bool = True
 ) -> tuple[LawEngine, tuple[Attractor, ...]]:
     """What trials from 20 mrad settle to, and the engine that found it; ``in_code``: a compiled one."""
-    engine = LawEngine(made.law, compiled("laws") if in_code else None)
+    engine = LawEngine(made.law, compiled("laws") if in_code else None, patience=FOR_EVER)
     found = engine.search(
         made.knob.body,
         made.knob.wall,
