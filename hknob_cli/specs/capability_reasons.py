@@ -77,10 +77,6 @@ WHY = {
     ("people", "formulas"): "its spec has no population",
     ("people", "bench"): "its spec has no population",
     **{
-        (part, "friction_arcs"): "where friction stops the knob a place is no affine function of its start"
-        for part in ("hysteresis", "backlash")
-    },
-    **{
         ("speed_sensor", column): "the torque depends on the velocity itself"
         for column in ("friction_sets", "law_sets", "friction_arcs")
     },

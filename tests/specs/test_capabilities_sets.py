@@ -49,7 +49,7 @@ SOFT_TEETH = {
 
 @pytest.mark.long
 @pytest.mark.drawn(3)
-@pytest.mark.parametrize("beside", ["friction", "controller", "several_readings"])
+@pytest.mark.parametrize("beside", ["friction", "controller", "several_readings", "hysteresis", "backlash"])
 @pytest.mark.parametrize("part", ["finger", "coil", "mesh"])
 def test_every_phase_beside_friction_and_more(part: str, beside: str) -> None:
     """All of them are proven to end in what is listed."""

@@ -4,6 +4,8 @@ Shares nothing with the package. A hold is taken in parts. In each the end of a 
 by halving: the longest time, digit by digit, after which the mode has not ended.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
@@ -15,10 +17,13 @@ Array = NDArray[np.float64]
 
 
 class Rubbing:
-    """Motions of one body. ``rates``: of (angle, speed, ..., torque, 1), without friction; ``friction``: its rate."""
+    """Motions of one body. ``rates``: of (angle, speed, ..., torque, 1), without friction; ``friction``: its rate.
 
-    def __init__(self, rates: Array, friction: float) -> None:
-        self.friction = friction
+    ``stop`` takes which of the motions stop, and their angles.
+    """
+
+    def __init__(self, rates: Array, friction: float, stop: Callable[[NDArray[np.int64], Array], None]) -> None:
+        self.friction, self.stop = friction, stop
         self.pull = rates[1]
         held = rates.copy()
         held[:2] = 0.0
@@ -59,11 +64,11 @@ class Rubbing:
             to, goes = self.try_on(z, side, span / PARTS)
             (ends,) = np.nonzero(~goes)
             if len(ends):
-                to[:, ends] = self._through(z[:, ends], span / PARTS)
+                to[:, ends] = self._through(z[:, ends], span / PARTS, ends)
             z = to
         return z
 
-    def _through(self, z: Array, span: float) -> Array:
+    def _through(self, z: Array, span: float, which: NDArray[np.int64]) -> Array:
         left = np.ones(z.shape[1])
         for event in range(EVENTS + 1):
             side = self.modes(z)
@@ -75,7 +80,9 @@ class Rubbing:
                 z = np.where(takes, to, z)
                 left -= takes * 2.0**-k
             ended = left > 0.0
-            z[1] = np.where(ended & (side != 0), 0.0, z[1])
+            stops = ended & (side != 0)
+            z[1] = np.where(stops, 0.0, z[1])
+            self.stop(which[stops], z[0, stops])
             if not ended.any():
                 break
             # Past the end of what was held by a rounding: the next mode is to begin.

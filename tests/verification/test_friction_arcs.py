@@ -30,6 +30,7 @@ from .test_law_states import COIL, PUSH, orbit_states, rates
 ANGLE = 0.02
 PHASES = 48
 LATE = {"delay_samples": 1.0}
+TURNS_BACK = {"hysteresis_counts": 0.5}
 
 
 def rub(level: float, **more: Any) -> dict[str, Any]:
@@ -61,6 +62,34 @@ CASES: dict[str, tuple[str | None, dict[str, Any], float, int]] = {
     "differenced, finger": ("damping, differenced", rub(2e-4, hand=TWO_PARTS), 464.0, 512),
     "tracked, finger": ("speed, tracked", rub(2e-4, hand=TWO_PARTS), 464.0, 256),
     "impulse, coil": ("impulse, short", rub(2e-4, **COIL), 464.0, 512),
+    "finger, hysteresis": (None, rub(5.6e-4, hand=TWO_PARTS, encoder={"hysteresis_counts": 0.03}), 464.0, 256),
+    "finger, slack": (None, rub(5.6e-4, hand=TWO_PARTS, encoder={"backlash": 0.02}), 464.0, 256),
+    "finger, late, hysteresis": (None, rub(3e-4, hand=TWO_PARTS, actuator=LATE, encoder=TURNS_BACK), 464.0, 256),
+    "finger, limit, step, slack": (
+        None,
+        rub(
+            2e-4,
+            hand=TWO_PARTS,
+            actuator={"torque_limit": 4e-3, "torque_step": 1e-4},
+            encoder={"backlash": 0.02},
+        ),
+        700.0,
+        512,
+    ),
+    "finger, detents, hysteresis": (
+        None,
+        rub(1e-4, hand=TWO_PARTS, detents={"per_revolution": 24, "torque": 3e-3}, encoder={"hysteresis_counts": 0.03}),
+        464.0,
+        1024,
+    ),
+    "coil, finger, hysteresis": (
+        None,
+        rub(2e-4, hand=TWO_PARTS, encoder={"hysteresis_counts": 0.03}, **COIL),
+        464.0,
+        256,
+    ),
+    "bounded lag, finger, hysteresis": ("bounded lag", rub(2e-4, hand=TWO_PARTS, encoder=TURNS_BACK), 464.0, 256),
+    "impulse, coil, hysteresis": ("impulse, short", rub(2e-4, encoder=TURNS_BACK, **COIL), 464.0, 512),
 }
 
 
@@ -69,7 +98,18 @@ def settle(parts: dict[str, Any], rate: float, counts: int, samples: int) -> NDA
     quantum, actuator, many = 2.0 * np.pi / counts, parts.get("actuator", {}), PHASES
     a = rates(parts)
     inertia = parts["knob"]["inertia"] + parts["hand"].get("inertia", 0.0)
-    body = Rubbing(a, parts["knob"]["coulomb_torque"] / inertia)
+    encoder = parts.get("encoder", {})
+    half, count = 0.5 * (encoder.get("hysteresis_counts", 0.0) + encoder.get("backlash", 0.0) / quantum), np.zeros(many)
+
+    def read_after(count: Any, theta: Any) -> Any:
+        """Counts of angles: edges are passed half of the hysteresis later, on the way up and on the way down."""
+        return np.clip(count, np.floor(theta / quantum - half), np.floor(theta / quantum + half))
+
+    def stop(which: NDArray[np.int64], theta: NDArray[np.float64]) -> None:
+        if half > 0.0:
+            count[which] = read_after(count[which], theta)
+
+    body = Rubbing(a, parts["knob"]["coulomb_torque"] / inertia, stop)
     z = np.zeros((len(a), many))
     z[0], z[-1] = ANGLE, 1.0
     if "finger" in parts["hand"]:
@@ -80,9 +120,11 @@ def settle(parts: dict[str, Any], rate: float, counts: int, samples: int) -> NDA
     laws = [law_of(Rig(plain, rate, counts), parts.get("controller")) for _ in range(many)]
     over, line = torques(parts, counts), [np.zeros(many)] * int(actuator.get("delay_samples", 0.0))
     step, limit = actuator.get("torque_step", 0.0), actuator.get("torque_limit", np.inf)
-    before = np.floor(z[0] / quantum) * quantum
+    count = np.floor(z[0] / quantum)
+    before = count * quantum
     for _ in range(samples):
-        shown = np.floor(z[0] / quantum) * quantum
+        count = read_after(count, z[0])
+        shown = count * quantum
         brake = np.where(shown < 0.0, parts["wall"].get("damping", 0.0) * rate * (shown - before), 0.0)
         before = shown
         pieces = [law.command(float(at), float(w), []) for law, at, w in zip(laws, shown, z[1], strict=True)]
@@ -131,12 +173,11 @@ def test_phases_end_in_the_list_and_as_often(name: str) -> None:
     assert sum(one.trials for one in found.attractors) == pytest.approx(1.0, abs=1e-6)
     theta, omega = settle(parts, rate, counts, int(20.0 / knob.rate) + 500)
     x, v = theta / knob.quantum_rad, omega * knob.period_s / knob.quantum_rad
-    counted = []
+    counted, back = [], 0.5 * knob.wall.hysteresis + 1e-9
     for one in found.attractors:
         if one.outcome is Outcome.REST:
-            near = (
-                (np.abs(v) < 1e-6) & (np.floor(x - 1e-9) <= np.floor(one.x)) & (np.floor(one.x) <= np.floor(x + 1e-9))
-            )
+            near = (np.abs(v) < 1e-6) & (np.floor(x - back) <= np.floor(one.x + back))
+            near &= np.floor(one.x - back) <= np.floor(x + back)
         else:
             near = np.zeros(PHASES, dtype=bool)
             for at_x, at_v, *_ in orbit(one):

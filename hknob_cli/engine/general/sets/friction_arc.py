@@ -41,9 +41,9 @@ from hknob_cli.engine.general.slide_two import way
 # Numbers of an arc: its phases, and those of them that it counts, for arcs overlap; bound on the roundings of its
 # centre; radius of the ball beside its line when its columns were begun, and how far states may be beside that; what
 # `readings.remembered` has, and the reading, of the sample before; its sample; how many readings of the interval are
-# told; whether all states stand. Then its centre, its columns, of which the first is the line, its memory, and the
-# readings of the interval.
-LOW, HIGH, FROM, TO, ERROR, BALL, BESIDE, BEFORE, LEVEL, SAMPLE, TOLD, STANDS, STATE = range(13)
+# told; whether all states stand; with hysteresis the least and the most of their counts at the last turning point. Then
+# its centre, its columns, of which the first is the line, its memory, and the readings of the interval.
+LOW, HIGH, FROM, TO, ERROR, BALL, BESIDE, BEFORE, LEVEL, SAMPLE, TOLD, STANDS, COUNT, COUNT_TO, STATE = range(15)
 STEPS = 128.0  # in which columns are moved over the two parts of a hold, at most
 FINEST = 16  # halvings of a sample period to which it is looked whether a motion stays over a bound
 WHOLE = 2.0 ** (HALVINGS - 1)  # times that a sample period is told apart
@@ -142,6 +142,7 @@ def stop_alike(room, z, u, span, before, mode, apart, body):
 
     ``alike``: whether all states of the arc, which are up to ``apart`` from it, stop once and go on alike.
     ``room.first``, ``room.line``: centre and line as the hold began. The columns are moved to the end of the hold.
+    ``room.stop`` takes the place of the stop, and how far from it those of states are that do alike.
     """
     n, pad, own, left = body.order, room.pad, stiffness(body), span - before
     count = len(room.columns) // (n + 1)
@@ -169,6 +170,8 @@ def stop_alike(room, z, u, span, before, mode, apart, body):
         bend = max(bend, later)
         alike = alike and 2.0 * (own * apart + 2.0 * later * window) <= abs(after)
     more = stop_bound(abs(rate), abs(after - rate), bend, slope, apart, window, room, body)
+    room.stop[0] = z[0]
+    room.stop[1] = abs(room.columns[0]) + beside_of(room, body) + 4.0 * (abs(rate) + abs(after)) * window * window
     copy_to(room.first, z)
     for j in range(n):
         room.line[j] = room.columns[j]

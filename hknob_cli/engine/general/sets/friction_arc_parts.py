@@ -1,8 +1,10 @@
 """Arcs with friction that wait, their parts at the edges that a reading meets, and phases that are begun anew."""
 
 from hknob_cli.engine.general.body import copy_to
-from hknob_cli.engine.general.sets.friction_arc import FROM, HIGH, LOW, TO, TOLD, beside_of
-from hknob_cli.engine.general.sets.readings import highest, lowest, next_level
+from hknob_cli.engine.general.sets.friction_arc import COUNT, FROM, HIGH, LOW, SAMPLE, TO, TOLD, beside_of
+from hknob_cli.engine.general.sets.friction_arc_counts import tells_counts
+from hknob_cli.engine.general.sets.memory import watched
+from hknob_cli.engine.general.sets.turns import half_of, highest_at, lowest_at, next_at
 
 ARCS = 256  # of one beginning that wait
 INTERVAL = 4  # numbers of phases that wait: `LOW` to `TO`
@@ -61,18 +63,22 @@ def take_arc(room, waiting):
     take_all(room.told, room.stack, at)
 
 
-def part_arc(room, waiting, which, high, drift, body, watch):
+def part_arc(room, waiting, which, high, cell):
     """Cut an arc at the edges of reading number ``which`` of its interval, from that in `room.told` to ``high``.
 
     How many arcs wait then, -1: no room. The arc in ``room`` is at that reading; its parts are of that at the sample.
+    One whose counts differ is not cut: all of it waits for each reading.
     """
+    drift, body, turns, watch = cell.drift, cell.body, cell.known.turns, watched(cell.known.law, cell.wall)
     x, width, slack = room.z[0], room.columns[0], beside_of(room, body)
-    level, begun = room.told[which], waiting
+    level, begun, shown = room.told[which], waiting, room.arc[COUNT]
+    half, cuts = half_of(turns, which == 0 and room.arc[SAMPLE] == 0.0, watch), tells_counts(turns, room.arc)
     room.own[TOLD] = which + 1.0
     while level <= high:
-        bottom, top = lowest(level, drift.bottom, watch) - x, highest(level, watch) - x
+        bottom = lowest_at(turns, level, shown, half, drift.bottom, watch) - x
+        top = highest_at(turns, level, shown, half, watch) - x
         first, last, low, up = -1.0, 1.0, -1.0 if waiting == begun else 1.0, 1.0  # a ball counts once
-        if width != 0.0:
+        if cuts and width != 0.0:
             a, b = (bottom, top) if width > 0.0 else (top, bottom)
             more = slack if width > 0.0 else -slack
             first, last = max(-1.0, (a - more) / width), min(1.0, (b + more) / width)
@@ -83,7 +89,7 @@ def part_arc(room, waiting, which, high, drift, body, watch):
                 return -1
             wait_arc(room, waiting, first, last, low, up)
             waiting += 1
-        level = next_level(level, watch)
+        level = next_at(turns, level, watch)
     return waiting
 
 

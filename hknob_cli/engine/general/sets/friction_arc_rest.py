@@ -8,7 +8,7 @@ from hknob_cli.engine.general.inner_region import ROUNDINGS, hold_zone, rest_at
 from hknob_cli.engine.general.sets.friction_arc import BEFORE, STANDS
 from hknob_cli.engine.general.sets.known import FULL, add_end, resting
 from hknob_cli.engine.general.sets.memory import copy_settled, settle_memory, watched
-from hknob_cli.engine.general.sets.readings import highest, lowest
+from hknob_cli.engine.general.sets.turns import half_of, highest_at, lowest_at
 from hknob_cli.engine.general.standstill import stays_held
 
 UNKNOWN, SEVERAL = -1, -3  # instead of the row of a rest
@@ -20,7 +20,7 @@ def rest_of_arc(room, reach, level, narrow, cell):
     As `friction_rest.near_rest`. `UNKNOWN` if none is known to, `SEVERAL` where they may rest in more than one reading;
     if ``narrow``, each of these is entered. ``reach``: of the arc, in `body.norm`.
     """
-    drift, known, body, wall = cell.drift, cell.known, cell.body, cell.wall
+    drift, known, body, wall, turns = cell.drift, cell.known, cell.body, cell.wall, cell.known.turns
     z, ring, before, away = room.z, room.ring, room.arc[BEFORE], known.space.away
     if body.friction == 0.0:
         return resting(z, before, ring, reach, level, known, body, wall)
@@ -41,7 +41,9 @@ def rest_of_arc(room, reach, level, narrow, cell):
     far = (distance(away, body) + body.reach * (reach + left)) * (1.0 + 1e-9)
     far += ROUNDINGS * EPSILON * (1.0 + abs(rest) + abs(z[0]))
     watch = watched(known.law, wall)
-    bottom, top = lowest(level, drift.bottom, watch), highest(level, watch)
+    half = half_of(turns, False, watch)
+    bottom = lowest_at(turns, level, level, half, drift.bottom, watch)
+    top = highest_at(turns, level, level, half, watch)
     if room.arc[STANDS] > 0.0 and left == 0.0:
         other = wrong + stiffness(body) * reach
         if not (stays_held(z, u - other, body) and stays_held(z, u + other, body)):
@@ -49,6 +51,13 @@ def rest_of_arc(room, reach, level, narrow, cell):
     elif not far < min(rest - bottom, top - rest):
         return UNKNOWN
     inside = 8.0 * EPSILON * (1.0 + abs(rest))
+    if turns is not None:  # the count stays as it is
+        at = min(max(rest, bottom + inside), top - inside)
+        if not low <= at <= high:
+            return UNKNOWN
+        rest_at(at, u, spring, known.z, body)
+        copy_settled(known.law, ring, known.ring)
+        return add_end(REST_PROVEN, 1, level, 0 * len(ring), known, body, wall)
     shown, last, row = read(max(rest - far, bottom + inside), wall), read(min(rest + far, top - inside), wall), UNKNOWN
     if shown < last and not narrow:
         return SEVERAL

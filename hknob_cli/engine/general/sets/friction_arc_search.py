@@ -67,6 +67,9 @@ class RubRoom(NamedTuple):
     spare: Any
     first: Any
     begun: Any
+    stop: Any
+    turning: Any
+    ahead: Any
     line: Any
     pad: Any
 
@@ -77,7 +80,7 @@ def can_rub_arcs(body: Body, wall: Controller, law: Law | None = None) -> bool:
     The scene has more than angle and speed, reads counts, and a law is proven and feels no speed.
     """
     known = law is None or (law.provable and not law.senses)
-    plain = body.play == 0.0 and body.cogs is None and wall.analog == 0.0 and wall.hysteresis == 0.0
+    plain = body.play == 0.0 and body.cogs is None and wall.analog == 0.0
     return plain and known and body.order > 2 and body.damped and body.reach < inf
 
 
@@ -180,6 +183,9 @@ def make_rub_room(
         spare=zeros(delay),
         first=zeros(n),
         begun=zeros(n),
+        stop=zeros(2),
+        turning=zeros(n),
+        ahead=zeros(n),
         line=zeros(n + 1),
         pad=zeros(2 * n),
     )

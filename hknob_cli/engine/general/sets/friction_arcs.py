@@ -12,6 +12,8 @@ from hknob_cli.engine.general.sets.ball import FIRST_REST_TEST
 from hknob_cli.engine.general.sets.cell import Centre
 from hknob_cli.engine.general.sets.friction_arc import (
     BEFORE,
+    COUNT,
+    COUNT_TO,
     ERROR,
     FROM,
     HIGH,
@@ -29,6 +31,7 @@ from hknob_cli.engine.general.sets.friction_arc import (
     rub_arc,
     start_rate,
 )
+from hknob_cli.engine.general.sets.friction_arc_counts import begin_counts, count_turns, keep_start, tells_counts
 from hknob_cli.engine.general.sets.friction_arc_parts import (
     ARCS,
     INTERVAL,
@@ -43,7 +46,8 @@ from hknob_cli.engine.general.sets.friction_arc_rest import SEVERAL, rest_of_arc
 from hknob_cli.engine.general.sets.friction_phases import NARROWEST, UNPROVEN
 from hknob_cli.engine.general.sets.known import FULL, NO_ROOM, blame, captor, fate_of, is_proven, seek
 from hknob_cli.engine.general.sets.memory import begin_at, command_all, first_look, watched
-from hknob_cli.engine.general.sets.readings import acting, remembered, steps_deeper
+from hknob_cli.engine.general.sets.readings import remembered, steps_deeper
+from hknob_cli.engine.general.sets.turns import half_of, keep_count, level_at
 
 TORQUE, SPAN, LOOK = range(3)  # numbers of a hold of an interval: which torque acts, how long, which look ends it
 HOLD = 3
@@ -52,62 +56,79 @@ BLURRED = 0.25  # of an arc's half length: with as much beside its line it is no
 MUCH = 0.25  # of the margin of an orbit: a larger arc that it does not capture is halved
 ENDED, PARTED, AGAIN, LOST = range(4)  # what becomes of an arc
 SINCE = 2.0  # all states stand, and did at the sample before; 1: since then
-TORN = -1  # instead of the number of a reading: states of a long arc do not all do the same
+TORN, BEGIN_ANEW = -1, -2  # instead of the number of a reading: states do not all do, or count, the same
 LONG = 2.0**-12  # counts per sample: a shorter arc is not halved for that
 LEAST = 1e-300  # phases: a part that is followed has a measure
 
 
-def look_up(room, which, drift, body, watch):
+def is_line(length, beside):
+    """Whether an arc of half this length is mostly its line, so that its halves are shorter."""
+    return not length * BLURRED < beside
+
+
+def look_up(room, which, cell):
     """The reading, number ``which`` of an interval, of the arc in ``room``: ``(level, the highest that it may be)``.
 
     What is told of it is kept. So is that of the sample before it where all states stand since.
     """
+    drift, body, watch = cell.drift, cell.body, watched(cell.known.law, cell.wall)
     if which < int(room.arc[TOLD]):
         return room.told[which], room.told[which]
     if room.arc[STANDS] >= SINCE:
         room.told[which] = room.arc[LEVEL] if which == 0 else room.told[0]
         return room.told[which], room.told[which]
-    x, reach = room.z[0], abs(room.columns[0]) + beside_of(room, body)
-    low, high = acting(x - reach, drift.bottom, watch), acting(x + reach, drift.bottom, watch)
+    x, reach, turns = room.z[0], abs(room.columns[0]) + beside_of(room, body), cell.known.turns
+    half = half_of(turns, which == 0 and room.arc[SAMPLE] == 0.0, watch)
+    low = level_at(turns, x - reach, room.arc[COUNT], half, drift.bottom, watch)
+    high = level_at(turns, x + reach, room.arc[COUNT_TO], half, drift.bottom, watch)
     room.told[which] = low
     return low, high
 
 
-def step_arc(room, before, cell):
+def step_arc(room, before, narrow, cell):
     """Move the arc in ``room`` over an interval that acts as `room.told` begins: ``(high, which)``.
 
     ``which``: number of a reading within the interval that is not one, 0 without, `TORN` where the arc is to be halved
-    first; ``high``: the highest that it may be.
+    first; and `BEGIN_ANEW` where that would not tell its counts, unless it is ``narrow``; ``high``: the highest that it
+    may be.
     """
-    drift, body, wall, law = cell.drift, cell.body, cell.wall, cell.known.law
+    drift, body, wall, law, turns = cell.drift, cell.body, cell.wall, cell.known.law, cell.known.turns
     z, ring = room.z, room.ring
     watch, line = watched(law, wall), norm_at(room.columns, 0, body)
     stood = room.arc[STANDS] > 0.0
-    long = line > LONG and line > 2.0 * ball_of(room, body)
+    ball = ball_of(room, body)
+    long, torn = line > LONG and line > 2.0 * ball, is_line(line, ball + room.arc[ERROR])
+    begin_counts(turns, room.told[0], room.arc)
     head, _ = command_all(law, room.told[0], before, ring, wall, room.torques)
     for j in range(len(ring)):
         room.spare[j] = ring[(head + j) % len(ring)]
     copy_to(ring, room.spare)
     for at in range(0, len(room.course), HOLD):
-        alike = rub_arc(room, z, room.torques[int(room.course[at + TORQUE])], room.course[at + SPAN], drift, body)
+        u, span = room.torques[int(room.course[at + TORQUE])], room.course[at + SPAN]
+        wide = keep_start(turns, room, body)
+        alike = rub_arc(room, z, u, span, drift, body)
         if not alike and long:
             return 0.0, TORN
+        count_turns(turns, room, u, span, alike, wide, body, watch)
+        if not (narrow or tells_counts(turns, room.arc)):
+            return 0.0, TORN if torn else BEGIN_ANEW
         if stood and room.arc[STANDS] > 0.0:
             room.arc[STANDS] = SINCE
         elif not room.arc[STANDS] > 0.0:
             stood = False
         look = int(room.course[at + LOOK])
         if look >= 0:
-            low, high = look_up(room, look + 1, drift, body, watch)
+            low, high = look_up(room, look + 1, cell)
             if low < high:
                 return high, look + 1
             ring[first_look(law) + look] = low
+            begin_counts(turns, low, room.arc)
     return 0.0, 0
 
 
 def shorten_arc(room, waiting, body):
     """Halve the arc in ``room.own``, of which too little is told: ``(waiting, fate, row)``, as `end_of_arc`."""
-    if norm_at(room.columns, 0, body) * BLURRED < ball_of(room, body) + room.arc[ERROR]:
+    if not is_line(norm_at(room.columns, 0, body), ball_of(room, body) + room.arc[ERROR]):
         return waiting, AGAIN, -1
     waiting = halve_arc(room, waiting)
     return waiting, (PARTED if waiting >= 0 else LOST), NO_ROOM
@@ -115,13 +136,13 @@ def shorten_arc(room, waiting, body):
 
 def take_apart(room, waiting, which, high, narrow, cell):
     """Halve the arc in ``room.own``, or cut it where its reading ``which`` tells states apart: as `shorten_arc`."""
-    drift, body = cell.drift, cell.body
+    body = cell.body
     if which == TORN:
         waiting = halve_arc(room, waiting)
-    elif not narrow and beside_of(room, body) > BLURRED * abs(room.columns[0]):
+    elif which == BEGIN_ANEW or (not narrow and beside_of(room, body) > BLURRED * abs(room.columns[0])):
         return waiting, AGAIN, -1
     else:
-        waiting = part_arc(room, waiting, which, high, drift, body, watched(cell.known.law, cell.wall))
+        waiting = part_arc(room, waiting, which, high, cell)
     return waiting, (PARTED if waiting >= 0 else LOST), NO_ROOM
 
 
@@ -130,7 +151,7 @@ def end_of_arc(room, waiting, scope, cell):
 
     It is left in ``room.own`` as it was at its last sample.
     """
-    drift, known, body, wall, law = cell.drift, cell.known, cell.body, cell.wall, cell.known.law
+    known, body, wall, law, turns = cell.known, cell.body, cell.wall, cell.known.law, cell.known.turns
     z, ring, arc = room.z, room.ring, room.arc
     watch = watched(law, wall)
     waiting -= 1
@@ -144,12 +165,12 @@ def end_of_arc(room, waiting, scope, cell):
             return waiting, LOST, UNSETTLED if arc[SAMPLE] >= scope.budget else GREW, taken
         reach, last, before = apart_of(room, body), arc[LEVEL], arc[BEFORE]
         taken += 1
-        level, high = look_up(room, 0, drift, body, watch)
+        level, high = look_up(room, 0, cell)
         which = 0
         if level == high:
             if arc[SAMPLE] == 0.0:
                 before = begin_at(law, level, ring, wall)
-            elif steps_deeper(level, last, watch):
+            elif tells_counts(turns, arc) and steps_deeper(level, last, watch):
                 row = captor(z, before, ring, 0 * len(ring), reach, known, body, wall)
                 if row >= 0:
                     return waiting, ENDED, row, taken
@@ -177,9 +198,10 @@ def end_of_arc(room, waiting, scope, cell):
             if shorter:
                 waiting, fate, row = shorten_arc(room, waiting, body)
                 return waiting, fate, row, taken
-            high, which = step_arc(room, before, cell)
+            high, which = step_arc(room, before, narrow, cell)
             if which == 0:
-                arc[BEFORE], arc[LEVEL], arc[TOLD] = remembered(level, wall), level, 0.0
+                arc[BEFORE] = keep_count(turns, law, arc[COUNT], remembered(level, wall), ring)
+                arc[LEVEL], arc[TOLD] = level, 0.0
                 arc[SAMPLE] += 1.0
                 since += 1
                 continue

@@ -56,13 +56,14 @@ KINDS: dict[str, dict[str, Any]] = {
 LEVELS = (0.0, 1e-5, 1e-4, 5.6e-4, 2e-3)
 
 
-def rubbing(kind: str, level: float, rate: float) -> GeneralKnob:
-    """A cell of this kind, its knob with so much friction, N·m."""
+def rubbing(kind: str, level: float, rate: float, **more: Any) -> GeneralKnob:
+    """A cell of this kind, its knob with so much friction, N·m, and with ``more`` parts of a scene."""
     scene = {
         "knob": {"inertia": 1.9e-6, "coulomb_torque": level},
         "wall": {"stiffness": 0.27},
         "bias": {"torque": 0.001},
         **KINDS[kind],
+        **more,
     }
     plain = reduced(SceneSpec.model_validate(scene).plain())
     return sample_general(plain, sample_rate_hz=rate, counts_per_rev=1024)
@@ -222,13 +223,12 @@ def test_too_few_samples_are_not_complete() -> None:
     "parts",
     [
         {"encoder": "none", "hand": TWO_PARTS},
-        {"encoder": {"hysteresis_counts": 0.5}, "hand": TWO_PARTS},
         {},
         {"hand": {**TWO_PARTS, "finger": {**TWO_PARTS["finger"], "stiffness": 0.0}}},
     ],
 )
 def test_other_scenes_are_not_followed(parts: dict[str, Any]) -> None:
-    """With a continuous sensor, hysteresis, angle and speed alone, or where nothing holds the finger."""
+    """With a continuous sensor, angle and speed alone, or where nothing holds the finger."""
     one = knob(1000.0, None if parts.get("encoder") == "none" else 512, **parts)
     assert not can_rub_arcs(one.body, one.wall)
     assert phases_of(one) is None

@@ -1,0 +1,143 @@
+"""The count of an encoder with hysteresis, of all states of an arc: by where they may turn round.
+
+As long as a motion goes one way its count may wait: what it shows follows from how far it comes. The speed of a state
+differs from that of the centre by no more than the arc is large. So a state turns round only in a window of time in
+which the centre is as slow; and its places there are as near to those of the centre. Where all states stop once and go
+on alike, that is near the stop, and its line tells their places. What a state counts after a window lies between two
+counts. Where these differ the arc is halved, unless it is one of the narrowest: then it has both.
+
+``turns`` is a `room.TurnRoom`, or None without hysteresis.
+"""
+
+from math import floor
+
+from hknob_cli.engine.certificate import EPSILON
+from hknob_cli.engine.general.advance import next_mode
+from hknob_cli.engine.general.body import acceleration, copy_to
+from hknob_cli.engine.general.controller import read, read_after, told
+from hknob_cli.engine.general.sets.friction_arc import COUNT, COUNT_TO, WHOLE, apart_of, beside_of, stays_over
+from hknob_cli.engine.general.slide_many import slide_many
+from hknob_cli.engine.general.slide_two import way
+
+PARTS_TRIED = 3  # of a slide, of which all but the last 1/64, 1/16 or 1/4 is shown to be fast
+
+
+def begin_counts(turns, level, arc):
+    """Let all states of an arc have this count: their reading, whichever came before."""
+    if turns is None:
+        return
+    arc[COUNT], arc[COUNT_TO] = level, level
+
+
+def keep_start(turns, room, body):
+    """Keep where the hold begins over which the arc in ``room`` is to be moved, and how large the arc is: ``(N, x)``.
+
+    How far states may be from its centre, in `body.norm`, and their places.
+    """
+    if turns is None:
+        return 0.0, 0.0
+    copy_to(room.turning, room.z)
+    return apart_of(room, body), abs(room.columns[0]) + beside_of(room, body)
+
+
+def pass_window(start, end, span, far, arc, watch):
+    """Take into the counts of an arc what turning points in a window may do to them.
+
+    ``start`` and ``end``: place of the centre then, and ``span``: from where to where it goes between them; ``far``: by
+    how much that of a state may differ from it.
+    """
+    half, low, high = 0.5 * watch.hysteresis, arc[COUNT], arc[COUNT_TO]
+    low, high = read_after(start - far, low, watch), read_after(start + far, high, watch)
+    low, high = min(low, read(span[0] - far + half, watch)), max(high, read(span[1] + far - half, watch))
+    low, high = max(low, read(end - far - half, watch)), min(high, read(end + far + half, watch))
+    arc[COUNT], arc[COUNT_TO] = told(low, watch), told(high, watch)
+
+
+def is_fast(room, z, u, mode, span, apart, body):
+    """Whether no state turns round over ``span`` whose centre begins at ``z`` and slides in ``mode``."""
+    if not span > 0.0:
+        return True
+    copy_to(room.begun, z)
+    return stays_over(room.begun, u, mode, span, apart, body, room.pad)
+
+
+def window_of(room, u, mode, slide, apart, body):
+    """When in a slide states may turn round, and places of the centre then: ``(begins, ends, x then, x then)``.
+
+    The slide is from ``room.first`` on; ``slide``: how long it is, and whether it ends in a stop. ``begins`` is not
+    below ``ends`` where none turns.
+    """
+    time, stops = slide
+    begins, ends = 0.0, time
+    if not stops and is_fast(room, room.first, u, mode, time, apart, body):
+        return time, time, 0.0, 0.0
+    for k in range(PARTS_TRIED):
+        part = floor(time * (1.0 - 0.25 ** (PARTS_TRIED - k)) * WHOLE) / WHOLE
+        if is_fast(room, room.first, u, mode, part, apart, body):
+            begins = part
+            break
+    copy_to(room.ahead, room.first)
+    if begins > 0.0:
+        slide_many(room.ahead, u, mode, begins, body, room.pad)
+    first = room.ahead[0]
+    for k in range(PARTS_TRIED):
+        if stops or begins > 0.0:
+            break
+        part = floor(time * 0.25 ** (PARTS_TRIED - k) * WHOLE) / WHOLE
+        copy_to(room.ahead, room.first)
+        slide_many(room.ahead, u, mode, part, body, room.pad)
+        if part > 0.0 and is_fast(room, room.ahead, u, mode, time - part, apart, body):
+            ends = part
+            return begins, ends, first, room.ahead[0]
+    copy_to(room.ahead, room.first)
+    slide_many(room.ahead, u, mode, time, body, room.pad)
+    return begins, ends, first, room.ahead[0]
+
+
+def count_turns(turns, room, u, span, alike, before, body, watch):
+    """Take in where states of the arc in ``room`` may have turned round in the hold that has moved it.
+
+    Args:
+        turns: Whether an encoder has hysteresis, as the module has it.
+        room: `friction_arc_search.RubRoom`; as the hold began its centre was ``room.turning``.
+        u: Torque in the hold.
+        span: Its length.
+        alike: Whether all states did alike, as `friction_arc.rub_arc` has it.
+        before: How large the arc was as the hold began, by `keep_start`.
+        body: What moves.
+        watch: The controller by whose edges arcs are cut.
+    """
+    if turns is None:
+        return
+    z, begun = room.turning, room.turning[1]
+    if body.friction > 0.0 and alike and (begun == 0.0 or begun * room.z[1] > 0.0):
+        return  # all stand, or all slide, one way
+    if body.friction > 0.0 and alike:
+        at = room.stop[0]
+        pass_window(at, at, (at, at), room.stop[1], room.arc, watch)
+        return
+    apart = max(before[0], apart_of(room, body))
+    far = min(body.reach * apart, before[1] + apart * span) + 8.0 * EPSILON * (abs(z[0]) + abs(room.z[0]))
+    left = floor(span * WHOLE) / WHOLE
+    mode = way(z[1], acceleration(z, u, body), body.friction)
+    while left > 0.0 and not body.halt[0] > 0.0:
+        copy_to(room.first, z)
+        time, stops, _ = slide_many(z, u, mode, left, body, room.pad)
+        begins, ends, first, last = 0.0, time, room.first[0], z[0]
+        if mode != 0:
+            begins, ends, first, last = window_of(room, u, mode, (time, stops), apart, body)
+            if stops:
+                last = z[0]
+        if begins < ends or stops:
+            pass_window(first, last, (min(first, last), max(first, last)), far, room.arc, watch)
+        left -= time
+        if not stops:
+            return
+        mode = next_mode(mode, z, u, body)
+
+
+def tells_counts(turns, arc):
+    """Whether all states of an arc have one count."""
+    if turns is None:
+        return True
+    return arc[COUNT] == arc[COUNT_TO]
