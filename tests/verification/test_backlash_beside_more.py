@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.engine.general.advance import advance_span
+from hknob_cli.engine.general.columns import CORNER_ROOM, begin_marks
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.interval import advance, advance_columns
 from hknob_cli.engine.general.laws.step import advance_with_law, begin_past
@@ -299,9 +300,9 @@ def check_derivative(one: Drawn) -> int:
         for c in range(4):
             for i in range(space.width):
                 space.cols[c * space.width + i] = float(i == c)
-        marks = [np.inf] * 4
-        before, _ = advance_columns(z, now, [], 0, body, knob.wall, pad, space.cols, 4, space.width, marks)
-        corners += marks[3] < 0.0
+        begin_marks(space.marks)
+        before, _ = advance_columns(z, now, [], 0, body, knob.wall, space, 4)
+        corners += space.marks[CORNER_ROOM] < 0.0
         slopes = np.array([[space.cols[c * space.width + i] for c in range(4)] for i in range(4)])
         ends = []
         for c in range(4):
@@ -312,7 +313,7 @@ def check_derivative(one: Drawn) -> int:
                 advance(other, now, [], 0, body, knob.wall, pad)
                 pair.append(np.array(other))
             ends.append((pair[0] - pair[1]) / 2e-6)
-        if state[1] != 0.0 and min(marks[:2]) > 1e-4:  # else a neighbour may stick where this one turns
+        if state[1] != 0.0 and min(space.marks[:2]) > 1e-4:  # else a neighbour may stick where this one turns
             compared += np.abs(np.array(ends).T - slopes).max() < 1e-4 * np.abs(slopes).max()
             asked += 1
     assert compared >= asked - 2  # a neighbour may meet a flank, or pass a corner, that this motion just misses

@@ -14,6 +14,7 @@ from hknob_cli.engine.general.slope_columns import cog_columns
 from hknob_cli.engine.general.slopes import cog_many
 
 FREE = 2  # mode of a motion whose turning points do not matter
+UNKNOWN = (0.0, 0.0, 0.0)  # in place of coefficients of second order that are not known yet
 
 
 def advance_hold(z, u, matrix, body, pad):
@@ -71,47 +72,49 @@ def advance_span(z, u, span, body, pad):
         z[0], z[1] = z[0] + (s * z[1] + g * y), f * z[1] + s * y
 
 
-def slide(z, u, mode, left, s, g, f, known, body, pad):
-    """Move ``z`` in one ``mode`` until it ends or ``left`` is over: ``(time, whether it ended, s, g, f)``.
+def slide(z, u, mode, left, sgf, known, body, pad):
+    """Move ``z`` in one ``mode`` until it ends or ``left`` is over: ``(time, whether it ended, sgf)``.
 
-    (s, g, f): coefficients of second order over ``left``, if ``known``; those of the slide are returned.
+    ``sgf``: coefficients (s, g, f) of second order over ``left``, if ``known``; those of the slide are returned.
     """
     if body.order > 2:
         t, ended, _ = slide_many(z, u, mode, left, body, pad)
-        return t, ended, s, g, f
+        return t, ended, sgf
     if mode == 0:
-        return left, False, 0.0, 0.0, 1.0
+        return left, False, (0.0, 0.0, 1.0)
     drive = u + body.drive - mode * body.friction
-    s, g, f, t, ended = until_zero(z[0], z[1], drive, mode, left, s, g, f, known, body)
+    sgf, t, ended = until_zero(z[0], z[1], drive, mode, left, sgf, known, body)
+    s, g, f = sgf
     y = drive - body.beta * z[0]
     x = z[0] + (s * z[1] + g * y)
     z[1] = f * z[1] + s * y
     z[0] = x
     if ended or z[1] * mode < 0.0:
         z[1] = 0.0
-    return t, ended, s, g, f
+    return t, ended, sgf
 
 
-def rub_columns(z, u, span, s, g, f, body, pad, cols, command, count, width, marks):
-    """Move ``z`` and ``count`` columns of derivatives over a hold from event to event.
+def rub_columns(z, u, span, sgf, body, pad, columns, marks):
+    """Move ``z`` and columns of derivatives (`columns.Columns`) over a hold under ``u`` from event to event.
 
-    (s, g, f): coefficients of second order over ``span``; ``command``: where ``cols`` has the derivatives of ``u``.
-    The columns follow the motion through its events (Leine & Nijmeijer 2004, sec. 7); ``marks`` as `columns` has them.
+    ``sgf``: coefficients (s, g, f) of second order over ``span``. The columns follow the motion through its events
+    (Leine & Nijmeijer 2004, sec. 7); ``marks`` as `columns` has them.
     """
     if body.play > 0.0:
-        play_columns(z, u, span, body, pad, cols, command, count, width, marks)
+        play_columns(z, u, span, body, pad, columns, marks)
         return
     if has_cogs(body.cogs):
-        cog_columns(body.cogs, z, u, span, body, pad, cols, command, count, width, marks)
+        cog_columns(body.cogs, z, u, span, body, pad, columns, marks)
         return
     if body.order == 2 and z[1] != 0.0 and body.spacing >= span:
         # Most holds have no event.
+        s, g, f = sgf
         x, v, ahead = z[0], z[1], 1.0 if z[1] > 0.0 else -1.0
         y = u + body.drive - ahead * body.friction - body.beta * x
         slow = f * v + s * y
         if slow * ahead >= 0.0:
             z[0], z[1] = x + (s * v + g * y), slow
-            spread_two(cols, command, count, width, s, g, f, body)
+            spread_two(columns, sgf, body)
             marks[SPEED] = min(marks[SPEED], abs(slow))
             return
     left = span
@@ -121,11 +124,11 @@ def rub_columns(z, u, span, s, g, f, body, pad, cols, command, count, width, mar
     if z[1] == 0.0:
         marks[LEVEL] = min(marks[LEVEL], abs(abs(pull) - body.friction))
     while left > 0.0:
-        t, ended, s, g, f = slide(z, u, mode, left, s, g, f, known, body, pad)
+        t, ended, sgf = slide(z, u, mode, left, sgf, known, body, pad)
         if body.order > 2:
-            spread_many(cols, command, count, width, t, mode, body, pad)
+            spread_many(columns, t, mode, body, pad)
         elif mode != 0:
-            spread_two(cols, command, count, width, s, g, f, body)
+            spread_two(columns, sgf, body)
         known = left < 0.0
         left -= t
         if not ended:
@@ -137,7 +140,7 @@ def rub_columns(z, u, span, s, g, f, body, pad, cols, command, count, width, mar
             rate = pull - mode * body.friction
             after = 0.0 if then == 0 else pull - then * body.friction
             if rate != 0.0:
-                turn_round(cols, count, width, (after - rate) / rate, body)
+                turn_round(columns, (after - rate) / rate, body)
         mode = then
     if mode != 0:
         marks[SPEED] = min(marks[SPEED], abs(z[1]))

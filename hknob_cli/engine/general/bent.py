@@ -34,7 +34,7 @@ def answer_to_torque(before, head, body, wall, space, at):
         space.residual[i] = space.state[i]
     u = command(read_after(space.state[0], before, wall), before, wall)
     # Without friction the answer is the same whichever torque acts, and beside it no motion is proven here.
-    move_columns(space.residual, u, u, body, wall, space.pad, space.cols, 1, width, space.marks)
+    move_columns(space.residual, u, u, body, wall, space, 1)
     for i in range(n):
         space.matrix[at + i] = abs(space.cols[i])
 
@@ -86,9 +86,7 @@ def run_bent(start, head, period, body, wall, space):
         for c in range(width):
             for i in range(width):
                 space.cols[c * width + i] = 1.0 if i == c else 0.0
-        before, head = advance_columns(
-            space.state, before, space.line, head, body, wall, space.pad, space.cols, width, width, space.marks
-        )
+        before, head = advance_columns(space.state, before, space.line, head, body, wall, space, width)
         push_on(space, whole, width)
         push_on(space, new, width)
         off = bends(wall) * far * far

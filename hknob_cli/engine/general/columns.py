@@ -5,6 +5,8 @@ of the older command of an interval in each column, and then those of the newer.
 what the motion of a period comes near to.
 """
 
+from typing import Any, NamedTuple
+
 from hknob_cli.engine.general.body import ENTRY, HALVES, HALVES_HELD, HELD, RATES
 from hknob_cli.engine.general.controller import slopes
 
@@ -20,6 +22,19 @@ SWOLLEN = 9
 # which friction holds the knob from there on. Of a hold that begins with a speed of 0 the latter is of the level.
 TURNING, LEAST_TURN, STUCK_FOR = range(10, 13)
 MARKS = 13
+
+
+class Columns(NamedTuple):
+    """Columns that move together under one command.
+
+    ``values``: list or array of the columns, ``width`` apart, and of the derivatives of commands; ``command``: where
+    those of this command begin; ``number``: of columns.
+    """
+
+    values: Any
+    command: int
+    number: int
+    width: int
 
 
 def begin_marks(marks):
@@ -57,22 +72,24 @@ def feed(shown, before, delay, head, wall, cols, count, width):
                 cols[newer + c] = cols[at + line + (head + 1) % delay]
 
 
-def spread_two(cols, command, count, width, s, g, f, body):
-    """Move the columns by coefficients (s, g, f) of second order; ``command``: where those of the command begin."""
-    for c in range(count):
-        at = c * width
-        y = cols[command + c] - body.beta * cols[at]
+def spread_two(columns, sgf, body):
+    """Move the columns by coefficients (s, g, f) of second order."""
+    s, g, f = sgf
+    cols = columns.values
+    for c in range(columns.number):
+        at = c * columns.width
+        y = cols[columns.command + c] - body.beta * cols[at]
         x = cols[at] + (s * cols[at + 1] + g * y)
         cols[at + 1] = f * cols[at + 1] + s * y
         cols[at] = x
 
 
-def spread_by(cols, command, count, width, span, rates, halves, pulled, body, pad):
+def spread_by(columns, span, rates, halves, pulled, body, pad):
     """Move the columns over ``span`` by the matrices that begin at ``rates`` and ``halves``; overwrites ``pad``.
 
     ``pulled``: whether the command acts on what moves.
     """
-    n = body.order
+    n, cols = body.order, columns.values
     rates *= n * n
     h = 1.0
     half = 0
@@ -80,17 +97,17 @@ def spread_by(cols, command, count, width, span, rates, halves, pulled, body, pa
         if span >= h:
             span -= h
             base = (halves + half) * n * n
-            for c in range(count):
-                at = c * width
+            for c in range(columns.number):
+                at = c * columns.width
                 for i in range(n):
                     total = 0.0
                     if pulled and body.lag == 0.0:
-                        total = body.vectors[ENTRY * n + i] * cols[command + c]
+                        total = body.vectors[ENTRY * n + i] * cols[columns.command + c]
                     for j in range(n):
                         total += body.matrices[rates + i * n + j] * cols[at + j]
                     pad[i] = total
                 if body.lag > 0.0:
-                    pad[n - 1] += body.lag * cols[command + c]
+                    pad[n - 1] += body.lag * cols[columns.command + c]
                 for i in range(n):
                     total = 0.0
                     for j in range(n):
@@ -100,17 +117,17 @@ def spread_by(cols, command, count, width, span, rates, halves, pulled, body, pa
         half += 1
 
 
-def spread_many(cols, command, count, width, span, mode, body, pad):
+def spread_many(columns, span, mode, body, pad):
     """Move the columns over ``span`` in one mode, by its binary digits; overwrites ``pad``."""
     rates, halves = (HELD, HALVES_HELD) if mode == 0 else (RATES, HALVES)
     pulled = mode != 0 or body.play > 0.0
-    spread_by(cols, command, count, width, span, rates, halves, pulled, body, pad)
+    spread_by(columns, span, rates, halves, pulled, body, pad)
 
 
-def turn_round(cols, count, width, jump, body):
+def turn_round(columns, jump, body):
     """The columns at a zero of the velocity: its rate there changes by ``jump``, relatively (saltation matrix)."""
-    n = body.order
-    for c in range(count):
+    n, cols, width = body.order, columns.values, columns.width
+    for c in range(columns.number):
         speed = cols[c * width + 1] * jump
         for i in range(n):
             cols[c * width + i] += body.vectors[ENTRY * n + i] * speed

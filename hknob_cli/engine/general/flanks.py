@@ -105,41 +105,43 @@ def play_many(z, u, span, body, pad):
         fresh = True
 
 
-def meet(z, side, cols, count, width, body):
+def meet(z, side, columns, body):
     """The columns where teeth meet: the rates of both bodies jump by the damper's torque (saltation matrix)."""
     if not side * z[3] > 0.0:
         return
-    for c in range(count):
+    cols, width = columns.values, columns.width
+    for c in range(columns.number):
         jump = body.pad_damping * cols[c * width + 2]
         cols[c * width + 1] -= jump
         cols[c * width + 3] -= (1.0 + body.ratio) * jump
 
 
-def meet_with_friction(z, u, side, before, toward, cols, count, width, body, slope=0.0):
+def meet_with_friction(z, u, side, before, toward, columns, body, slope=0.0):
     """As `meet`, of a motor that friction holds before or after; ``before``, ``toward``: its direction."""
     if not side * z[3] > 0.0:
         return
     pull = 0.0 if toward == 0 else (teeth_pull(z, 0, u, side, body, slope) - toward * body.friction) / z[3]
-    for c in range(count):
+    cols, width = columns.values, columns.width
+    for c in range(columns.number):
         jump = body.pad_damping * cols[c * width + 2]
         own = -jump if before != 0 else pull * cols[c * width + 2]
         cols[c * width + 1] += own
         cols[c * width + 3] += own - body.ratio * jump
 
 
-def spread_teeth(cols, command, count, width, span, side, toward, body, pad, slope=0.0):
+def spread_teeth(columns, span, side, toward, body, pad, slope=0.0):
     """Move the columns over ``span`` in one mode."""
     halves, apart = halves_of(side, toward, slope, body), 1 if side == 0 else 0
     if toward == 0 and body.friction > 0.0:
-        spread_by(cols, command, count, width, span, STUCK + apart, halves, False, body, pad)
+        spread_by(columns, span, STUCK + apart, halves, False, body, pad)
     elif has_cogs(body.cogs):
         matrix = TOOTHED + 2 * apart + (0 if is_stable(slope) else 1)
-        spread_by(cols, command, count, width, span, matrix, halves, True, body, pad)
+        spread_by(columns, span, matrix, halves, True, body, pad)
     else:
-        spread_many(cols, command, count, width, span, side, body, pad)
+        spread_many(columns, span, side, body, pad)
 
 
-def play_columns(z, u, span, body, pad, cols, command, count, width, marks):
+def play_columns(z, u, span, body, pad, columns, marks):
     """As `advance.rub_columns`, from flank to flank, with its ``marks``.
 
     The least torque of the mesh is below 0 where teeth have parted.
@@ -159,7 +161,7 @@ def play_columns(z, u, span, body, pad, cols, command, count, width, marks):
         marks[LEVEL] = min(marks[LEVEL], abs(abs(teeth_pull(z, 0, u, side, body, slope)) - body.friction))
     while left > 0.0:
         t, ended, least = press(z, u, side, toward, left, fresh, body, pad, slope)
-        spread_teeth(cols, command, count, width, t, side, toward, body, pad, slope)
+        spread_teeth(columns, t, side, toward, body, pad, slope)
         marks[PRESSED] = min(marks[PRESSED], least if side != 0 else -1.0)
         left -= t
         # On its way the motor is nearest to a corner where it turns round, or where the way ends.
@@ -174,19 +176,19 @@ def play_columns(z, u, span, body, pad, cols, command, count, width, marks):
             continue
         if not rubs:
             if side not in (0, ago):
-                meet(z, side, cols, count, width, body)
+                meet(z, side, columns, body)
             continue
         pull = teeth_pull(z, 0, u, side, body, slope)
         if z[1] == 0.0 and (before != 0 or side != ago):
             marks[LEVEL] = min(marks[LEVEL], abs(abs(pull) - body.friction))
         if side != ago:
             if side != 0:
-                meet_with_friction(z, u, side, before, toward, cols, count, width, body, slope)
+                meet_with_friction(z, u, side, before, toward, columns, body, slope)
         elif before != 0:
             rate = pull - before * body.friction
             after = 0.0 if toward == 0 else pull - toward * body.friction
             if rate != 0.0:
-                turn_round(cols, count, width, (after - rate) / rate, body)
+                turn_round(columns, (after - rate) / rate, body)
     if rubs and toward != 0:
         marks[SPEED] = min(marks[SPEED], abs(z[1]))
 

@@ -5,7 +5,7 @@ decide (its count goes by them alone, as all rate-independent memory does: Broka
 the count is taken at each of its turning points, which are exact.
 """
 
-from hknob_cli.engine.general.advance import FREE, advance_hold, next_mode, slide
+from hknob_cli.engine.general.advance import FREE, UNKNOWN, advance_hold, next_mode, slide
 from hknob_cli.engine.general.body import HALVES, HALVINGS, acceleration, distance, rate_of
 from hknob_cli.engine.general.cogging import TURNED, has_cogs, slope_at, slope_of
 from hknob_cli.engine.general.controller import edge_gap, read_after
@@ -107,7 +107,7 @@ def turn_and_count(z, u, span, shown, body, wall, pad):
         return shown, margin
     mode = way(z[1], acceleration(z, u, body), body.friction)
     while left > 0.0:
-        t, ended, _, _, _ = slide(z, u, mode, left, 0.0, 0.0, 0.0, False, body, pad)
+        t, ended, _ = slide(z, u, mode, left, UNKNOWN, False, body, pad)
         left -= t
         if not ended:
             break

@@ -3,7 +3,7 @@
 from hknob_cli.engine.general.advance import FREE, advance_hold, advance_span, rub_columns, rub_many
 from hknob_cli.engine.general.body import FIRST, SECOND, acceleration
 from hknob_cli.engine.general.cogging import has_cogs, has_gone
-from hknob_cli.engine.general.columns import feed, spread_many, spread_two
+from hknob_cli.engine.general.columns import Columns, feed, spread_many, spread_two
 from hknob_cli.engine.general.controller import command, read_after
 from hknob_cli.engine.general.hysteresis import hold_and_count, turn_and_count
 from hknob_cli.engine.general.jitter import jitters, next_span
@@ -116,42 +116,41 @@ def balances(z, u, body):
     return z[1] == 0.0 and acceleration(z, u, body) == 0.0
 
 
-def move_columns(z, older, u, body, wall, pad, cols, count, width, marks):
-    """Move ``z`` and its columns over an interval: under ``older`` up to the split, then under ``u``."""
+def move_columns(z, older, u, body, wall, space, count):
+    """Move ``z`` and ``count`` columns over an interval: under ``older`` up to the split, then under ``u``."""
+    width, pad = space.width, space.pad
     parts = 2 if wall.split > 0.0 else 1
     for part in range(parts):
         # The part under the older command, if there is one, and the rest.
         first = part < parts - 1
         span = wall.split if first else 1.0 - wall.split
-        s = body.s1 if first else body.s2
-        g = body.g1 if first else body.g2
-        f = body.f1 if first else body.f2
-        at = width * width if first else width * width + width
+        sgf = (body.s1, body.g1, body.f1) if first else (body.s2, body.g2, body.f2)
+        columns = Columns(space.cols, width * width if first else width * width + width, count, width)
         acting = older if first else u
         if wall.analog > 0.0 and balances(z, acting, body):
             advance_span(z, acting, span, body, pad)
             if body.order > 2:
-                spread_many(cols, at, count, width, span, FREE, body, pad)
+                spread_many(columns, span, FREE, body, pad)
             else:
-                spread_two(cols, at, count, width, s, g, f, body)
+                spread_two(columns, sgf, body)
         else:
-            rub_columns(z, acting, span, s, g, f, body, pad, cols, at, count, width, marks)
+            rub_columns(z, acting, span, sgf, body, pad, columns, space.marks)
 
 
-def advance_columns(z, before, ring, head, body, wall, pad, cols, count, width, marks):
-    """Like `advance`, with ``count`` columns of derivatives, ``width`` apart, and `rub_columns`'s ``marks``.
+def advance_columns(z, before, ring, head, body, wall, space, count):
+    """Like `advance`, with ``count`` columns of derivatives in ``space``, and there `rub_columns`'s ``marks``.
 
     With hysteresis, too, the reading is that of the sample.
     """
     shown = read_after(z[0], before, wall)
     u = command(shown, before, wall)
     delay = len(ring)
-    feed(shown, before, delay, head, wall, cols, count, width)
+    feed(shown, before, delay, head, wall, space.cols, count, space.width)
     older = u
     if delay > 0:
         older = ring[head]
         ring[head] = u
         head = (head + 1) % delay
         u = ring[head]
-    move_columns(z, older, u, body, wall, pad, cols, count, width, marks)
+    move_columns(z, older, u, body, wall, space, count)
     return shown, head

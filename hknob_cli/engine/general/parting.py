@@ -44,7 +44,7 @@ def parting_rate(z, before, ring, samples, body, wall, space):
             space.cols[c * width + i] = 1.0 if i == c else 0.0
     total, head = 0.0, 0 * len(ring)
     for _ in range(samples):
-        before, head = advance_columns(z, before, ring, head, body, wall, space.pad, space.cols, n, width, space.marks)
+        before, head = advance_columns(z, before, ring, head, body, wall, space, n)
         size = normalise(space.cols, width, n)
         if not size > 0.0:
             return -float("inf")

@@ -78,7 +78,7 @@ def turn(before, ring, head, period, body, wall, space, m):
 
     ``margin``: least distance of a sample to a change of command, ``edge``: to any count edge.
     """
-    n, width = body.order, space.width
+    n = body.order
     begin_period(ring, body, space, m)
     begin_marks(space.marks)
     margin, edge = float("inf"), float("inf")
@@ -98,9 +98,7 @@ def turn(before, ring, head, period, body, wall, space, m):
         edge = min(edge, count_gap(x, wall))
         reach = max(reach, abs(x), table_size(shown, wall))
         pace = max(pace, abs(space.state[1]))
-        before, head = advance_columns(
-            space.state, before, space.line, head, body, wall, space.pad, space.cols, m, width, space.marks
-        )
+        before, head = advance_columns(space.state, before, space.line, head, body, wall, space, m)
         if m == n:
             end_sample(k, period, body, space, m)
         pace = max(pace, abs(space.state[0] - x))
@@ -171,9 +169,7 @@ def within(before, ring, head, period, body, wall, space, m):
             space.trail[k] = reach
         if stays:
             apart_at_sample(body, space, m)
-        before, head = advance_columns(
-            space.state, before, space.line, head, body, wall, space.pad, space.cols, m, width, space.marks
-        )
+        before, head = advance_columns(space.state, before, space.line, head, body, wall, space, m)
         if stays:
             far = far_between_samples(body, space, m)
             if bends(wall) > 0.0:  # all numbers may be off by as much again (`bent`), and the command by what it bends

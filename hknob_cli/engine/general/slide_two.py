@@ -63,22 +63,22 @@ def way(v, pull, friction):
     return 1 if pull > 0.0 else -1
 
 
-def until_zero(x, v, drive, mode, left, s, g, f, known, body):
+def until_zero(x, v, drive, mode, left, sgf, known, body):
     """Coefficients (s, g, f) and length of the slide from (x, v) until the velocity vanishes or ``left`` is over.
 
-    ``drive`` holds all constant torques, friction included. (s, g, f) are the coefficients over ``left`` if ``known``.
-    Returns ``(s, g, f, time, whether it vanished)``.
+    ``drive`` holds all constant torques, friction included. ``sgf``: the coefficients over ``left`` if ``known``.
+    Returns ``(sgf, time, whether it vanished)``.
     """
+    s, _, f = sgf
     y = drive - body.beta * x
     if known and body.spacing >= left and (f * v + s * y) * mode >= 0.0:
-        return s, g, f, left, False
+        return sgf, left, False
     t = first_zero(v, y, body.alpha, body.beta)
     if t >= left:
         if not known:
-            s, g, f = coefficients(left, body)
-        return s, g, f, left, False
-    s, g, f = coefficients(t, body)
-    return s, g, f, t, True
+            sgf = coefficients(left, body)
+        return sgf, left, False
+    return coefficients(t, body), t, True
 
 
 def step_with_friction(x, v, u, span, s, g, f, body):
@@ -105,7 +105,7 @@ def step_with_friction(x, v, u, span, s, g, f, body):
                 continue
         drive = free - mode * friction
         y = drive - beta * x
-        s, g, f, t, ended = until_zero(x, v, drive, mode, left, s, g, f, known, body)
+        (s, g, f), t, ended = until_zero(x, v, drive, mode, left, (s, g, f), known, body)
         x, v = x + (s * v + g * y), f * v + s * y
         if ended or v * mode < 0.0:
             v = 0.0

@@ -34,14 +34,14 @@ from hknob_cli.engine.general.columns import (
 from hknob_cli.engine.general.slopes import cog_acceleration, cog_rate, pass_on, roll, settled, way_from
 
 
-def spread_cogs(cols, command, count, width, span, slope, mode, body, pad):
+def spread_cogs(columns, span, slope, mode, body, pad):
     """Move the columns over ``span`` on one slope, in one mode."""
     if mode == 0:
-        spread_by(cols, command, count, width, span, HELD, HALVES_HELD, False, body, pad)
+        spread_by(columns, span, HELD, HALVES_HELD, False, body, pad)
     else:
         kind = 0 if is_stable(slope) else 1
         halves = COGGED_HALVES + kind * HALVINGS
-        spread_by(cols, command, count, width, span, COGGED + kind, halves, True, body, pad)
+        spread_by(columns, span, COGGED + kind, halves, True, body, pad)
 
 
 def begin_hold(z, u, slope, span, body, pad, marks):
@@ -95,7 +95,7 @@ def mark_turn(pull, rate, mode, left, body, marks):
         marks[STUCK_FOR] = min(marks[STUCK_FOR], slowed * left)
 
 
-def cog_columns(cogs, z, u, span, body, pad, cols, command, count, width, marks):
+def cog_columns(cogs, z, u, span, body, pad, columns, marks):
     """As `advance.rub_columns`, from corner to corner, with its ``marks``."""
     if cogs is None or not len(cogs):
         return
@@ -108,7 +108,7 @@ def cog_columns(cogs, z, u, span, body, pad, cols, command, count, width, marks)
         if mode != 0:
             mark_start(z, u, slope, left, mode, body, pad, marks)
         t, end = roll(z, u, slope, mode, left, fresh, body, pad)
-        spread_cogs(cols, command, count, width, t, slope, mode, body, pad)
+        spread_cogs(columns, t, slope, mode, body, pad)
         left -= t
         mark_end(z, slope, end, t, cogs, marks)
         if end == 0:
@@ -124,6 +124,6 @@ def cog_columns(cogs, z, u, span, body, pad, cols, command, count, width, marks)
             mark_turn(pull, rate, mode, left, body, marks)
             after = 0.0 if mode == 0 else pull - mode * body.friction
             if rate != 0.0:
-                turn_round(cols, count, width, (after - rate) / rate, body)
+                turn_round(columns, (after - rate) / rate, body)
     if rubs and mode != 0:
         marks[SPEED] = min(marks[SPEED], abs(z[1]))

@@ -2,7 +2,7 @@
 
 from typing import Any, NamedTuple
 
-from hknob_cli.engine.general.advance import next_mode, slide
+from hknob_cli.engine.general.advance import UNKNOWN, next_mode, slide
 from hknob_cli.engine.general.body import acceleration
 from hknob_cli.engine.general.cogging import has_cogs
 from hknob_cli.engine.general.controller import command, read_after
@@ -70,7 +70,7 @@ def chart(z, u, span, body, pad, rows, pieces):
     while left > 0.0 and rows < len(pieces.spans):
         for j in range(n):
             pieces.states[rows * n + j] = z[j]
-        t, hit, _, _, _ = slide(z, u, mode, left, 0.0, 0.0, 0.0, False, body, pad)
+        t, hit, _ = slide(z, u, mode, left, UNKNOWN, False, body, pad)
         left -= t
         if t > 0.0:
             pieces.spans[rows], pieces.modes[rows], pieces.commands[rows] = t, mode, u

@@ -5,7 +5,7 @@ from math import inf
 import pytest
 
 from hknob_cli.engine.general.advance import rub_columns
-from hknob_cli.engine.general.columns import feed, spread_many
+from hknob_cli.engine.general.columns import Columns, feed, spread_many
 
 from .bodies import knob
 
@@ -15,6 +15,7 @@ FINGER = {
 }
 # Nothing but friction of 0.5 and a push of 0.25 acts.
 BARE = knob(hand={}, wall={"stiffness": 0.0}).body._replace(friction=0.5, drive=-0.25)
+NONE = Columns([], 0, 0, 3)
 
 
 @pytest.mark.parametrize(
@@ -38,7 +39,7 @@ def test_marks_are_of_the_torques_that_decided(
     x: list[float], v: float, u: float, wanted: list[float], marks: list[float]
 ) -> None:
     z, found = [x[0], v], [inf, inf, inf]
-    rub_columns(z, u, 1.0, 1.0, 0.5, 1.0, BARE, [0.0] * 4, [0.0] * 12, 9, 0, 3, found)
+    rub_columns(z, u, 1.0, (1.0, 0.5, 1.0), BARE, [0.0] * 4, NONE, found)
     assert z == pytest.approx(wanted, abs=1e-15)
     assert found == [pytest.approx(one) for one in marks] + [inf]
 
@@ -52,7 +53,7 @@ def test_a_command_moves_no_knob_that_friction_holds() -> None:
         cols, pad = [0.0] * (width * (width + 2)), [0.0] * (2 * n)
         command = width * width
         cols[command] = 1.0
-        spread_many(cols, command, 1, width, 1.0, mode, one, pad)
+        spread_many(Columns(cols, command, 1, width), 1.0, mode, one, pad)
         assert any(cols[:n]) is moves
 
 

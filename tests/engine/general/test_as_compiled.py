@@ -10,6 +10,7 @@ import pytest
 from hknob_cli.engine.general import (
     cog_rest,
     cogging,
+    columns,
     hysteresis,
     jitter,
     slope_columns,
@@ -73,7 +74,7 @@ ABSENT: dict[str, tuple[Callable[[Any], Any], Any]] = {
     "cog_many": (lambda cogs: slopes.cog_many(cogs, [1.0, 0.5], 0.1, 1.0, ONE.body, [0.0] * 4), None),
     "cog_columns": (
         lambda cogs: slope_columns.cog_columns(
-            cogs, [1.0, 0.5], 0.1, 1.0, ONE.body, [0.0] * 4, [0.0] * 9, 0, 1, 3, fresh_marks()
+            cogs, [1.0, 0.5], 0.1, 1.0, ONE.body, [0.0] * 4, columns.Columns([0.0] * 9, 0, 1, 3), fresh_marks()
         ),
         None,
     ),

@@ -9,6 +9,7 @@ from scipy.linalg import expm
 
 from hknob_cli.engine.general import columns
 from hknob_cli.engine.general.advance import rub_columns
+from hknob_cli.engine.general.columns import Columns
 from hknob_cli.engine.general.interval import advance, advance_columns
 from hknob_cli.engine.general.powers import invert
 from hknob_cli.engine.general.search import make_space
@@ -81,12 +82,13 @@ def test_columns_are_differences(name: str) -> None:
         cols = space.cols
         for c in range(m):
             cols[c * width : (c + 1) * width] = [1.0 if i == c else 0.0 for i in range(width)]
-        marks, speed = [1.0, 1.0], z[1]
+        space.marks[:] = [1.0] * len(space.marks)
+        speed = z[1]
         for _ in range(SAMPLES):
-            before, head = advance_columns(z, before, ring, head, one.body, one.wall, space.pad, cols, m, width, marks)
+            before, head = advance_columns(z, before, ring, head, one.body, one.wall, space, m)
             turned += z[1] * speed <= 0.0
             speed = z[1]
-        if min(marks) < 1e-3:
+        if min(space.marks) < 1e-3:
             continue  # near an event the slope changes within the step
         for c in range(m):
             slope, rough = difference(one, values, c, h), difference(one, values, c, 4.0 * h)
@@ -145,15 +147,15 @@ def test_a_hold_without_an_event_is_that_of_a_matrix_exponential(friction: float
             continue
         kept += 1
         z, cols, marks, width = [x, v], [7.0] * 15, [9.0, 9.0, 9.0, 9.0], 3
-        columns = numbers.normal(size=(2, 3))  # position, speed and command
+        begun = numbers.normal(size=(2, 3))  # position, speed and command
         for c in range(2):
-            cols[c * width : c * width + 2], cols[9 + c] = columns[c, :2].tolist(), float(columns[c, 2])
-        pad = [0.0] * 4
-        rub_columns(z, u, span, *hold_coefficients(one.alpha, one.beta, span), one, pad, cols, 9, 2, width, marks)
+            cols[c * width : c * width + 2], cols[9 + c] = begun[c, :2].tolist(), float(begun[c, 2])
+        sgf = hold_coefficients(one.alpha, one.beta, span)
+        rub_columns(z, u, span, sgf, one, [0.0] * 4, Columns(cols, 9, 2, width), marks)
         end = path[-1] @ start
         assert z == pytest.approx(end[:2].tolist(), rel=1e-12, abs=1e-13)
         for c in range(2):
-            through = (path[-1] @ columns[c])[:2].tolist()
+            through = (path[-1] @ begun[c])[:2].tolist()
             assert cols[c * width : c * width + 2] == pytest.approx(through, rel=1e-12, abs=1e-13)
         assert marks == [9.0, abs(z[1]), 9.0, 9.0]
     assert kept > 30

@@ -13,6 +13,7 @@ from scipy.linalg import expm
 from hknob_cli.engine.general import flanks, teeth
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.cogging import TURNED
+from hknob_cli.engine.general.columns import Columns
 from hknob_cli.engine.general.flanks import (
     kind_of,
     meet,
@@ -154,7 +155,7 @@ def test_columns_are_the_derivative_and_marks_what_decides(name: str) -> None:
         cols[command + n] = 1.0  # the last column is that of the command itself
         marks = [inf] * 4
         z = list(case.z)
-        play_columns(z, case.u, case.span, body, case.pad, cols, command, n + 1, width, marks)
+        play_columns(z, case.u, case.span, body, case.pad, Columns(cols, command, n + 1, width), marks)
         assert case.near(z, case.end)
         check_marks(case, marks)
         if min(marks[:2]) < 1e-4:
@@ -328,6 +329,7 @@ class Script:
 
 
 RUBS = LOOSE._replace(friction=1.0)
+ONE = Columns([], 0, 1, 4)
 # On the wall's flank; it turns round, teeth part while it stands, it is released, teeth meet, and it ends.
 COURSE = [
     (0.25, TURNED, 3.0, 1, 0, 0.0),
@@ -401,12 +403,12 @@ def test_marks_are_the_least_of_all_that_decides(monkeypatch: pytest.MonkeyPatch
     spread: list[Any] = []
     met: list[Any] = []
     turned: list[float] = []
-    monkeypatch.setattr(flanks, "spread_teeth", lambda *given: spread.append(given[4:7]))
+    monkeypatch.setattr(flanks, "spread_teeth", lambda *given: spread.append(given[1:4]))
     monkeypatch.setattr(flanks, "meet", lambda z, side, *_: met.append(side))
     monkeypatch.setattr(
         flanks, "meet_with_friction", lambda z, u, side, before, way, *_: met.append((side, before, way))
     )
-    monkeypatch.setattr(flanks, "turn_round", lambda cols, count, width, jump, body: turned.append(jump))
+    monkeypatch.setattr(flanks, "turn_round", lambda columns, jump, body: turned.append(jump))
     monkeypatch.setattr(flanks, "direction", lambda *_: 1)
     for pulls, least in (
         ([1.75, 1.5, 1.625, 9.0, 9.0, 9.0], 0.5),
@@ -420,7 +422,7 @@ def test_marks_are_the_least_of_all_that_decides(monkeypatch: pytest.MonkeyPatch
             kept.clear()
         script = Script(monkeypatch, flanks, COURSE, pulls)
         marks = [inf] * 4
-        play_columns([0.0, v, 0.5, 0.0], 0.0, 1.0, RUBS, [], [], 0, 1, 4, marks)
+        play_columns([0.0, v, 0.5, 0.0], 0.0, 1.0, RUBS, [], ONE, marks)
         assert script.asked == modes_of(COURSE, (1, 1), v == 0.0)
         assert spread == [(0.25, 1, 1), (0.25, 1, 0), (0.125, 0, 0), (0.125, 0, -1), (0.25, -1, -1)]
         assert met == [(-1, -1, -1)]
@@ -430,7 +432,7 @@ def test_marks_are_the_least_of_all_that_decides(monkeypatch: pytest.MonkeyPatch
         assert marks == [least, 0.5, -1.0, inf]
         script = Script(monkeypatch, flanks, COURSE, pulls)
         marks = [0.0625, 0.125, -2.0, 0.5]
-        play_columns([0.0, v, 0.5, 0.0], 0.0, 1.0, RUBS, [], [], 0, 1, 4, marks)
+        play_columns([0.0, v, 0.5, 0.0], 0.0, 1.0, RUBS, [], ONE, marks)
         assert marks == [0.0625, 0.125, -2.0, 0.5]
 
 
@@ -438,7 +440,7 @@ def test_a_motor_that_turns_round_changes_its_rate_by_friction_twice(monkeypatch
     """By (after - rate) / rate; none where it has no rate. What is held at the end has no speed that counts."""
     turned: list[float] = []
     monkeypatch.setattr(flanks, "spread_teeth", lambda *_: None)
-    monkeypatch.setattr(flanks, "turn_round", lambda cols, count, width, jump, body: turned.append(jump))
+    monkeypatch.setattr(flanks, "turn_round", lambda columns, jump, body: turned.append(jump))
     monkeypatch.setattr(flanks, "direction", lambda *_: 1)
     for pull, way, jumps in (
         (-3.0, -1, [(-2.0 - -4.0) / -4.0]),
@@ -450,7 +452,7 @@ def test_a_motor_that_turns_round_changes_its_rate_by_friction_twice(monkeypatch
         turned.clear()
         Script(monkeypatch, flanks, [(0.5, TURNED, 1.5, 1, way, 0.0), (0.5, 0, 2.5, 0, 0, 0.0)], [0.0, pull, pull])
         marks = [inf] * 4
-        play_columns(list(BEGUN), 0.0, 1.0, RUBS, [], [], 0, 1, 4, marks)
+        play_columns(list(BEGUN), 0.0, 1.0, RUBS, [], ONE, marks)
         assert turned == jumps
         assert marks == [abs(abs(pull) - 1.0), 0.0 if way else inf, 1.5, inf]
 
@@ -465,7 +467,7 @@ def test_without_friction_teeth_that_meet_are_all_that_changes_columns(monkeypat
         monkeypatch.setattr(flanks, name, lambda *_: pytest.fail("no friction"))
     script = Script(monkeypatch, flanks, course, [0.0] * 9)
     marks = [inf] * 4
-    play_columns([0.0, 0.0, 0.5, 0.0], 0.0, 1.0, LOOSE, [], [], 0, 1, 4, marks)
+    play_columns([0.0, 0.0, 0.5, 0.0], 0.0, 1.0, LOOSE, [], ONE, marks)
     assert script.asked == modes_of(course, (1, 0), False)
     assert met == [-1]
     assert marks == [inf, inf, -1.0, inf]
@@ -479,7 +481,7 @@ def test_where_teeth_meet_rates_jump_by_what_the_damper_takes() -> None:
     one = LOOSE._replace(pad_damping=0.25, ratio=4.0)
     for side, w, jumps in ((1, 0.5, True), (1, -0.5, False), (-1, -0.5, True), (-1, 0.5, False), (1, 0.0, False)):
         cols = [1.0, 2.0, 3.0, 4.0, 9.0, -5.0, -6.0, -7.0, -8.0, 9.0]
-        meet([0.0, 0.0, 0.0, w], side, cols, 2, 5, one)
+        meet([0.0, 0.0, 0.0, w], side, Columns(cols, 0, 2, 5), one)
         first = [1.0, 2.0 - 0.75, 3.0, 4.0 - 5.0 * 0.75, 9.0]
         second = [-5.0, -6.0 + 1.75, -7.0, -8.0 + 5.0 * 1.75, 9.0]
         assert cols == ([*first, *second] if jumps else [1.0, 2.0, 3.0, 4.0, 9.0, -5.0, -6.0, -7.0, -8.0, 9.0])
@@ -498,13 +500,13 @@ def test_where_teeth_meet_a_motor_that_stood_starts_by_its_neighbours_delay(monk
         (0, -1, 0.0, (-3.0 + 0.5) / 0.5 * 3.0),
     ):
         cols = [1.0, 2.0, 3.0, 4.0, 9.0]
-        meet_with_friction([0.0, 0.0, 0.0, 0.5], u, 1, before, way, cols, 1, 5, one)
+        meet_with_friction([0.0, 0.0, 0.0, 0.5], u, 1, before, way, Columns(cols, 0, 1, 5), one)
         assert cols == [1.0, 2.0 + own, 3.0, 4.0 + own - 4.0 * 0.75, 9.0]
         for w in (-0.5, 0.0):
             cols = [1.0, 2.0, 3.0, 4.0, 9.0]
-            meet_with_friction([0.0, 0.0, 0.0, w], u, 1, before, way, cols, 1, 5, one)
+            meet_with_friction([0.0, 0.0, 0.0, w], u, 1, before, way, Columns(cols, 0, 1, 5), one)
             assert cols == [1.0, 2.0, 3.0, 4.0, 9.0]
-        meet_with_friction([0.0, 0.0, 0.0, -0.25], u, -1, before, way, cols, 1, 5, one)
+        meet_with_friction([0.0, 0.0, 0.0, -0.25], u, -1, before, way, Columns(cols, 0, 1, 5), one)
         assert cols != [1.0, 2.0, 3.0, 4.0, 9.0]
 
 
@@ -534,7 +536,8 @@ def test_columns_move_by_their_own_mode(name: str) -> None:
                 for c in range(n + 1):
                     cols[c * width : c * width + n] = numbers[c].tolist()
                 cols[width * width + n] = 1.0
-                spread_teeth(cols, width * width, n + 1, width, span, side, way, body, [0.0] * (2 * n))
+                columns = Columns(cols, width * width, n + 1, width)
+                spread_teeth(columns, span, side, way, body, [0.0] * (2 * n))
                 whole = expm(gear.rates[side, way] * span)
                 for c in range(n + 1):
                     expected = whole[:n, :n] @ numbers[c] + (whole[:n, n + 1] if c == n else 0.0)

@@ -15,6 +15,7 @@ from hknob_cli.engine.general.laws.law import LOOK, PIECE, TORQUE
 from hknob_cli.engine.general.laws.parting import parting_with_law, slope_columns
 from hknob_cli.engine.general.laws.step import advance_with_law, begin_past
 from hknob_cli.engine.general.parting import normalise, parting_rate
+from hknob_cli.engine.general.period_map import Space
 from hknob_cli.engine.general.search import make_space
 
 from .gears import geared
@@ -52,9 +53,9 @@ class Map:
         self.matrix, self.seen = np.array(matrix), list[Any]()
 
     def advance(
-        self, z: Any, before: float, ring: Any, head: int, body: Any, wall: Any, pad: Any, cols: Any, count: int,
-        width: int, marks: Any,
-    ) -> tuple[float, int]:  # fmt: skip
+        self, z: Any, before: float, ring: Any, head: int, body: Any, wall: Any, space: Space, count: int
+    ) -> tuple[float, int]:
+        cols, width = space.cols, space.width
         if not self.seen:
             assert [cols[c * width + i] for c in range(count) for i in range(width)] == np.eye(
                 count, width

@@ -4,6 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hknob_cli.engine.general.advance import UNKNOWN
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.slide_many import slide_many
 from hknob_cli.engine.general.slide_two import SERIES, coefficients, skip_turns, until_zero, way
@@ -30,7 +31,7 @@ def turn_by_turn(x: float, free: float, turns: int, body: Body) -> tuple[float, 
         if mode == 0:
             break
         drive = free - mode * body.friction
-        s, g, _, t, _ = until_zero(x, v, drive, mode, 1e9, 0.0, 0.0, 1.0, False, body)
+        (s, g, _), t, _ = until_zero(x, v, drive, mode, 1e9, UNKNOWN, False, body)
         y = drive - body.beta * x
         x, v = x + (s * v + g * y), 0.0
         time += t
@@ -73,7 +74,7 @@ def test_skipped_turns_are_those_taken_one_by_one(
 def test_slide_ends_where_the_velocity_vanishes(alpha: float, beta: float, x: float, v: float, drive: float) -> None:
     """At the end the velocity is zero to rounding; before, it has not been."""
     body, left = ringing(alpha, beta, 0.0), 1.0
-    s, _, f, t, ended = until_zero(x, v, drive, 1, left, *hold_coefficients(alpha, beta, left), True, body)
+    (s, _, f), t, ended = until_zero(x, v, drive, 1, left, hold_coefficients(alpha, beta, left), True, body)
     y = drive - beta * x
     size = v + abs(y) * max(t, 1e-3) + beta * abs(x)
     if ended:
@@ -100,7 +101,7 @@ def test_more_states_agree_with_two(x: float, v: float, u: float) -> None:
         assert slide_many([x, 0.0, u], u, 0, 1.0, three, [0.0] * 6) == (1.0, False, 1)
         return
     drive = u + two.drive - mode * two.friction
-    s, g, f, t, ended = until_zero(x, v, drive, mode, 1.0, 0.0, 0.0, 1.0, False, two)
+    (s, g, f), t, ended = until_zero(x, v, drive, mode, 1.0, UNKNOWN, False, two)
     y = drive - two.beta * x
     z = [x, v, u]
     taken, over, _ = slide_many(z, u, mode, 1.0, three, [0.0] * 6)
@@ -118,7 +119,7 @@ def test_more_states_agree_with_two(x: float, v: float, u: float) -> None:
 def test_speed_too_small_for_the_formulas_ends_at_once(alpha: float, beta: float) -> None:
     """-v / rate underflows to 0, which must not be read as a standstill that leaves, half a ringing period long."""
     body = ringing(alpha, beta, 0.2)
-    *_, t, ended = until_zero(0.0, 5e-324, -0.2, 1, 1.0, 0.0, 0.0, 1.0, False, body)
+    _, t, ended = until_zero(0.0, 5e-324, -0.2, 1, 1.0, UNKNOWN, False, body)
     assert 0.0 <= t <= 1e-322
     assert ended
 

@@ -35,11 +35,14 @@ from hknob_cli.engine.general.columns import (
     SWOLLEN,
     TURN_ROOM,
     TURNING,
+    Columns,
 )
 from hknob_cli.engine.general.slope_columns import cog_columns, mark_end, mark_start, mark_turn
 
 from .bodies import fresh_marks
 from .cogs import CLOSE, COGS, PLAIN, RUBS, SCENES, SEEDS, Case, Cogged, Script, body_of, case_of
+
+NONE = Columns([], 0, 0, 2)
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -58,7 +61,8 @@ def test_columns_are_the_derivative_and_marks_what_decides(name: str) -> None:
         cols[command + n] = 1.0  # the last column is that of the command itself
         marks = fresh_marks()
         z = list(case.z)
-        cog_columns(body.cogs, z, case.u, case.span, body, case.pad, cols, command, n + 1, width, marks)
+        moved = Columns(cols, command, n + 1, width)
+        cog_columns(body.cogs, z, case.u, case.span, body, case.pad, moved, marks)
         assert case.near(z, case.end)
         check_marks(case, marks)
         if min(marks[LEVEL], marks[SPEED]) < 1e-4:
@@ -88,9 +92,9 @@ def test_marks_of_a_knob_that_friction_stops(name: str) -> None:
     turns, stuck = 0, 0
     for seed in SEEDS:
         case = Case(name, seed, ways=True, slow=True)
-        n, marks = case.body.order, fresh_marks()
+        marks = fresh_marks()
         z = list(case.z)
-        cog_columns(case.body.cogs, z, case.u, case.span, case.body, case.pad, [], 0, 0, n + 2, marks)
+        cog_columns(case.body.cogs, z, case.u, case.span, case.body, case.pad, NONE, marks)
         assert case.near(z, case.end)
         found = check_marks(case, marks)
         turns, stuck = turns + len(found.turns), stuck + len(found.stuck)
@@ -198,12 +202,11 @@ class Spread(Script):
         patch.setattr(slope_columns, "turn_round", self.turn_round)
 
     def spread_by(
-        self, cols: Any, command: int, count: int, width: int, span: float, rates: int, halves: int, pulled: bool,
-        body: Body, pad: Any,
-    ) -> None:  # fmt: skip
+        self, columns: Columns, span: float, rates: int, halves: int, pulled: bool, body: Body, pad: Any
+    ) -> None:
         self.spread.append((span, rates, halves, pulled))
 
-    def turn_round(self, cols: Any, count: int, width: int, jump: float, body: Body) -> None:
+    def turn_round(self, columns: Columns, jump: float, body: Body) -> None:
         self.turned.append(jump)
 
 
@@ -220,13 +223,13 @@ def columns(
     script, found = Spread(patch, steps), fresh_marks()
     for name, mark in begun.items():
         found[getattr(marks_module, name)] = mark
-    cog_columns(COGS, z, u, span, body, [0.0] * 4, [], 0, 0, 0, found)
+    cog_columns(COGS, z, u, span, body, [0.0] * 4, NONE, found)
     return script, found
 
 
 def test_without_cogging_nothing_is_marked() -> None:
     z = [1.0, 2.0]
-    cog_columns(None, z, 0.0, 1.0, PLAIN, [], [], 0, 0, 0, [])
+    cog_columns(None, z, 0.0, 1.0, PLAIN, [], NONE, [])
     assert z == [1.0, 2.0]
 
 
@@ -449,7 +452,7 @@ def test_a_knob_that_has_settled_is_moved_at_once(off: float, monkeypatch: pytes
     monkeypatch.setattr(slope_columns, "roll", roll)
     z, pad, marks = [x, 0.0], [0.0] * 4, fresh_marks()
     cols = [1.0, 0.0, 0.0, 1.0, 0.0, 0.0]  # of angle, speed, and the command
-    cog_columns(cogs, z, u, 1.0, body, pad, cols, 2, 3, 2, marks)
+    cog_columns(cogs, z, u, 1.0, body, pad, Columns(cols, 2, 3, 2), marks)
     assert asked == 1
     assert z[0] == pytest.approx(x, abs=1e-11 * (1.0 + abs(x)))
     assert (marks[LEVEL], marks[SPEED]) == (inf, inf)
@@ -475,7 +478,7 @@ def test_a_knob_that_balances_where_no_springs_hold_it_stays(monkeypatch: pytest
     """On the top of cogging that is stiffer than the hand: no bound says that it stays, and no torque moves it."""
     cogs = [2.0, *COGS[1:]]
     script, marks = Spread(monkeypatch, [(1.0, 0, 8.0, 0.0)]), fresh_marks()
-    cog_columns(cogs, [8.0, 0.0], 8.0, 1.0, PLAIN._replace(cogs=cogs), [0.0] * 4, [], 0, 0, 0, marks)
+    cog_columns(cogs, [8.0, 0.0], 8.0, 1.0, PLAIN._replace(cogs=cogs), [0.0] * 4, NONE, marks)
     assert script.asked == [(1.0, FREE, 1.0, True)]
     # It may turn round anywhere, and at a moment that no mode ends at: nothing is said of the room there.
     assert marks[TURN_ROOM] == -1.0

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.engine.general.cogging import FALLEN, RISEN, TURNED
+from hknob_cli.engine.general.columns import Columns
 from hknob_cli.engine.general.flanks import play_chart, play_columns, play_many
 from hknob_cli.engine.general.teeth import (
     APART,
@@ -186,7 +187,7 @@ def test_columns_are_the_derivative_and_marks_what_decides(name: str) -> None:
         cols[command + n] = 1.0  # the last column is that of the command itself
         marks = [inf] * 4
         z = list(case.z)
-        play_columns(z, case.u, case.span, body, case.pad, cols, command, n + 1, width, marks)
+        play_columns(z, case.u, case.span, body, case.pad, Columns(cols, command, n + 1, width), marks)
         assert case.near(z, case.end)
         check_marks(case, marks)
         if min(marks[:2]) < 1e-4:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.engine.general import flanks, hysteresis, slopes
-from hknob_cli.engine.general.advance import rub_many
+from hknob_cli.engine.general.advance import UNKNOWN, rub_many
 from hknob_cli.engine.general.body import FIRST, Body
 from hknob_cli.engine.general.cogging import FALLEN, RISEN, TURNED
 from hknob_cli.engine.general.controller import Controller, edge_gap, read_after
@@ -295,7 +295,7 @@ def test_still_is_so_much_of_one_and_the_place(monkeypatch: pytest.MonkeyPatch, 
     assert hysteresis.STILL == 1e-11
     monkeypatch.setattr(hysteresis, "pass_still", lambda *_: asked.append("over"))
     monkeypatch.setattr(hysteresis, "play_many", lambda *_: asked.append("over"))
-    monkeypatch.setattr(hysteresis, "slide", lambda *_: asked.append("events") or (1.0, False, 0.0, 0.0, 0.0))
+    monkeypatch.setattr(hysteresis, "slide", lambda *_: asked.append("events") or (1.0, False, UNKNOWN))
     monkeypatch.setattr(hysteresis, "press", lambda *_: asked.append("events") or (1.0, 0, inf))
     for body, name in ((FREE, "way_at_most"), (TEETH["plain"], "still_in_teeth")):
         for play in (body.play, 0.5 * body.play):

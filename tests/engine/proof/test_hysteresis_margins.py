@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from hknob_cli.engine.general import hysteresis
+from hknob_cli.engine.general.advance import UNKNOWN
 from hknob_cli.engine.general.controller import edge_gap, read_after
 from hknob_cli.engine.general.hysteresis import commands_of, hold_and_count, turn_and_count
 
@@ -30,15 +31,15 @@ def test_the_count_is_taken_at_each_turning_point(
     """The least margin of all of them; after the last there is the rest of the hold, if any is left."""
     asked: list[float] = []
 
-    def slide(z: Any, u: float, mode: int, left: float, *given: Any) -> tuple[float, bool, float, float, float]:
+    def slide(z: Any, u: float, mode: int, left: float, *given: Any) -> tuple[float, bool, Any]:
         k = len(asked)
-        assert (u, mode, given[3]) == (0.75, 1 if k == 0 else -k, False)
+        assert (u, mode, given[1]) == (0.75, 1 if k == 0 else -k, False)
         asked.append(left)
         if k < len(turns):
             z[0] = turns[k][1]
-            return turns[k][0], True, 0.0, 0.0, 0.0
+            return turns[k][0], True, UNKNOWN
         z[0] = -9.75
-        return left, False, 0.0, 0.0, 0.0
+        return left, False, UNKNOWN
 
     monkeypatch.setattr(hysteresis, "slide", slide)
     monkeypatch.setattr(hysteresis, "next_mode", lambda *_: -len(asked))

@@ -9,8 +9,10 @@ import pytest
 
 from hknob_cli.engine.general import interval
 from hknob_cli.engine.general.body import FIRST, SECOND, Body
+from hknob_cli.engine.general.columns import Columns
 from hknob_cli.engine.general.controller import Controller, command, read, read_after
 from hknob_cli.engine.general.interval import advance, advance_columns, hold, pass_over
+from hknob_cli.engine.general.search import make_space
 
 from .orbits import DIGITS
 from .test_general_capture_margins import body_of, wall_of
@@ -257,15 +259,16 @@ def test_friction_at_once_takes_a_whole_interval(moves: Moves) -> None:
 def test_columns_go_through_the_parts_of_an_interval(monkeypatch: pytest.MonkeyPatch, delay: int, split: float) -> None:
     """Each under its command, with the derivatives of that: of the older one after all columns, then of the newer."""
     fed, seen = [], []
-    wall, pad, marks = wall_of(0.5, damping=0.25, split=split), [1.0], [inf, inf]
-    width = 3 + delay
-    cols = [0.0] * (width * (width + 2))
+    wall, width = wall_of(0.5, damping=0.25, split=split), 3 + delay
+    space = make_space(2, delay, lambda count: [0.0] * count)
+    cols = space.cols
+    assert space.width == width
 
     def feed(*given: Any) -> None:
         fed.append(given)
 
-    def rub(z: Any, u: float, span: float, s: float, g: float, f: float, *rest: Any) -> None:
-        seen.append((list(z), u, span, s, g, f, *rest))
+    def rub(z: Any, u: float, span: float, sgf: tuple[float, ...], *rest: Any) -> None:
+        seen.append((list(z), u, span, sgf, *rest))
         z[0] += 1.0
 
     monkeypatch.setattr(interval, "feed", feed)
@@ -276,14 +279,15 @@ def test_columns_go_through_the_parts_of_an_interval(monkeypatch: pytest.MonkeyP
         z, ring = [-2.5, 0.25], [10.0, 20.0, 30.0][:delay]
         shown, u = -3.0, command(-3.0, -1.0, wall)
         older, newer, left = under_way(ring, head, u)
-        found = advance_columns(z, -1.0, ring, head, RUBBING, wall, pad, cols, 2, width, marks)
+        found = advance_columns(z, -1.0, ring, head, RUBBING, wall, space, 2)
         to = (head + 1) % delay if delay else head
         assert found == (shown, to)
         assert [ring[(to + j) % delay] for j in range(delay)] == left
         assert fed == [(shown, -1.0, delay, head, wall, cols, 2, width)]
-        rest = (RUBBING, pad, cols)
-        parts = [(older, SPLIT, 1.0, 2.0, 3.0, *rest, width * width, 2, width, marks)] if split else []
-        parts.append((newer, 1.0 - split, 4.0, 5.0, 6.0, *rest, width * width + width, 2, width, marks))
+        first = (RUBBING, space.pad, Columns(cols, width * width, 2, width), space.marks)
+        second = (RUBBING, space.pad, Columns(cols, width * width + width, 2, width), space.marks)
+        parts = [(older, SPLIT, (1.0, 2.0, 3.0), *first)] if split else []
+        parts.append((newer, 1.0 - split, (4.0, 5.0, 6.0), *second))
         assert seen == [([-2.5 + k, 0.25], *one) for k, one in enumerate(parts)]
 
 
@@ -292,6 +296,6 @@ def test_columns_read_after_the_last_turning_point() -> None:
     wall: Controller = wall_of(0.5, hysteresis=1.5)
     body = body_of(1.0, 4.0, 1.0)
     for before in (-3.0, -2.0):
-        cols = [0.0] * 15
-        shown, _ = advance_columns([-2.25, 0.25], before, [], 0, body, wall, [0.0] * 4, cols, 2, 3, [inf, inf])
+        space = make_space(2, 0, lambda count: [0.0] * count)
+        shown, _ = advance_columns([-2.25, 0.25], before, [], 0, body, wall, space, 2)
         assert shown == read_after(-2.25, before, wall) == before

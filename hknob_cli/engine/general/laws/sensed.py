@@ -14,7 +14,7 @@ Rest is a period of one sample.
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.general.advance import rub_columns
 from hknob_cli.engine.general.body import copy_to
-from hknob_cli.engine.general.columns import begin_columns
+from hknob_cli.engine.general.columns import Columns, begin_columns
 from hknob_cli.engine.general.controller import count_gap, edge_gap, read, table_size
 from hknob_cli.engine.general.laws.cascade import same_count
 from hknob_cli.engine.general.laws.law import AT_SWITCH, BLOCK, PIECE, ROUNDINGS, SPAN, STOP, TORQUE, F, G, S
@@ -26,21 +26,10 @@ from hknob_cli.engine.general.powers import bound_growth, dissipates, invert
 
 def move_piece_columns(past, at, body, law, space, count):
     """Move the motion in ``space`` and ``count`` columns over the piece whose numbers begin at ``at``."""
-    rub_columns(
-        space.state,
-        past[int(law.sched[at + TORQUE])],
-        law.sched[at + SPAN],
-        law.sched[at + S],
-        law.sched[at + G],
-        law.sched[at + F],
-        body,
-        space.pad,
-        space.cols,
-        space.width * space.width,
-        count,
-        space.width,
-        space.marks,
-    )
+    u, span = past[int(law.sched[at + TORQUE])], law.sched[at + SPAN]
+    sgf = (law.sched[at + S], law.sched[at + G], law.sched[at + F])
+    columns = Columns(space.cols, space.width * space.width, count, space.width)
+    rub_columns(space.state, u, span, sgf, body, space.pad, columns, space.marks)
 
 
 def move_columns(past, body, law, space, count):

@@ -26,7 +26,7 @@ from hknob_cli.engine.general.body import (
     rate_of,
     stiffness,
 )
-from hknob_cli.engine.general.columns import spread_many, turn_round
+from hknob_cli.engine.general.columns import Columns, spread_many, turn_round
 from hknob_cli.engine.general.slide_many import (
     accept,
     held_bound,
@@ -146,6 +146,7 @@ def stop_alike(room, z, u, span, before, mode, apart, body):
     """
     n, pad, own, left = body.order, room.pad, stiffness(body), span - before
     count = len(room.columns) // (n + 1)
+    columns = Columns(room.columns, count * n, count, n)
     pull = acceleration(z, u, body)
     rate, then = pull - mode * body.friction, next_mode(mode, z, u, body)
     if rate == 0.0:
@@ -159,7 +160,7 @@ def stop_alike(room, z, u, span, before, mode, apart, body):
     alike = 2.0 * window < min(before, left) and 2.0 * room.fast[1] * window <= 0.5
     alike = alike and 2.0 * (own * apart + 2.0 * bend * window) <= abs(rate)
     alike = alike and all_slide(room, room.first, u, mode, before - 2.0 * window, ball, body)
-    turn_round(room.columns, count, n, (after - rate) / rate, body)
+    turn_round(columns, (after - rate) / rate, body)
     rate_of(z, u, then, body, pad)
     slope, need = -1.0, 0.0
     if then == 0:
@@ -178,10 +179,10 @@ def stop_alike(room, z, u, span, before, mode, apart, body):
     t, ended, steps = slide_many(z, u, then, left, body, pad)
     if ended:
         return False, steps + rub_on(z, u, left - t, body, pad)
-    spread_many(room.columns, count * n, count, n, t, then, body, pad)
+    spread_many(columns, t, then, body, pad)
     if alike and then != 0:
         near, _, _ = slide_many(room.first, u, then, 2.0 * window, body, pad)
-        spread_many(room.line, n, 1, n, near, then, body, pad)
+        spread_many(Columns(room.line, n, 1, n), near, then, body, pad)
         alike = all_slide(room, room.first, u, then, t - near, ball + more, body)
     elif alike:
         alike = stays_over(room.first, u, then, left, need, body, pad)
@@ -198,6 +199,7 @@ def rub_arc(room, z, u, span, drift, body):
     """
     arc, pad, n = room.arc, room.pad, body.order
     count = len(room.columns) // (n + 1)
+    columns = Columns(room.columns, count * n, count, n)
     begin, stands = z[1], arc[STANDS] > 0.0
     wide, own = norm_at(room.columns, 0, body) + ball_of(room, body), stiffness(body)
     apart, pull = wide + arc[ERROR], acceleration(z, u, body)
@@ -218,9 +220,9 @@ def rub_arc(room, z, u, span, drift, body):
     if alike:
         if ended:
             steps += rub_on(z, u, span - t, body, pad)
-        spread_many(room.columns, count * n, count, n, floor(span * WHOLE) / WHOLE, 1, body, pad)
+        spread_many(columns, floor(span * WHOLE) / WHOLE, 1, body, pad)
     elif not ended:
-        spread_many(room.columns, count * n, count, n, t, mode, body, pad)
+        spread_many(columns, t, mode, body, pad)
         if mode == 0:
             alike = stands and stays_over(room.first, u, mode, span, own * apart, body, pad)
             arc[STANDS] = 1.0 if alike else 0.0
@@ -233,7 +235,7 @@ def rub_arc(room, z, u, span, drift, body):
     elif mode == 0 or begin == 0.0:
         steps += rub_on(z, u, span - t, body, pad)
     else:
-        spread_many(room.columns, count * n, count, n, t, mode, body, pad)
+        spread_many(columns, t, mode, body, pad)
         alike, more = stop_alike(room, z, u, span, t, mode, apart, body)
         steps += more
     arc[ERROR] += wrong * (1.0 + steps)

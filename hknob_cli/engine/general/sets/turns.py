@@ -8,7 +8,7 @@ Counts outside of a wall are told as one, unless each counts by itself.
 """
 
 from hknob_cli.engine.certificate import EPSILON
-from hknob_cli.engine.general.advance import FREE, next_mode, slide
+from hknob_cli.engine.general.advance import FREE, UNKNOWN, next_mode, slide
 from hknob_cli.engine.general.body import acceleration, norm, rate_of
 from hknob_cli.engine.general.controller import command, lower_edge, read, told, upper_edge
 from hknob_cli.engine.general.hysteresis import commands_of, pass_still, way_at_most
@@ -136,7 +136,7 @@ def move_on(z, u, span, begun, moved, swing, body, pad):
     left = span
     mode = way(z[1], acceleration(z, u, body), 0.0)
     while left > 0.0:
-        t, ended, _, _, _ = slide(z, u, mode, left, 0.0, 0.0, 0.0, False, body, pad)
+        t, ended, _ = slide(z, u, mode, left, UNKNOWN, False, body, pad)
         left -= t
         note(z[0], begun + span - left, swing)
         if not ended:
