@@ -42,6 +42,19 @@ class Cells(NamedTuple):
     boxes: Any
 
 
+class Joined(NamedTuple):
+    """Cells that are joined where successors connect them, a tree for each motion, and ranges of positions.
+
+    ``parent``: in its tree, and ``place``: in the queue, of each cell of the grid; ``lows`` and ``highs``: of each cell
+    of the queue, and of a tree where its root is.
+    """
+
+    parent: Any
+    place: Any
+    lows: Any
+    highs: Any
+
+
 def rounded(x, fast, hard, u, body):
     """Far above what roundings add to a position or a speed within a hold, by the size of all terms."""
     return SLACK * (1.0 + abs(x) + fast + hard + abs(u) + abs(body.drive))
@@ -216,12 +229,13 @@ def hold_range(at, cells, body, wall):
     return least, most
 
 
-def widest_range(state, queue, filled, parent, place, lows, highs, cells, body, wall):
-    """The widest range of positions of one motion for ever within the cells, between samples included.
+def widest_range(state, queue, filled, joined, cells, body, wall):
+    """The widest range of positions of one motion for ever within the ``filled`` cells of ``queue``.
 
-    Cells that are connected by successors, either way, are one: a motion never leaves them. ``parent`` and ``place``
-    have a number for each cell of the grid; ``lows`` and ``highs`` for each of the ``filled`` cells of ``queue``.
+    Between samples, too. Cells that are connected by successors, either way, are one: a motion never leaves them.
+    ``joined`` is overwritten.
     """
+    parent, place, lows, highs = joined.parent, joined.place, joined.lows, joined.highs
     for k in range(filled):
         parent[queue[k]], place[queue[k]] = queue[k], k
     for k in range(filled):

@@ -250,7 +250,7 @@ def run_trials(start, batch, budget, trial, body, wall):
             ring[j] = 0.0
         head = 0 * len(ring)
         before = read(z[0], wall)
-        before, head = pass_over(z, before, ring, head, budget.skip, budget.limit, body, wall, trial.space.pad)
+        before, head = pass_over(z, before, ring, head, budget, body, wall, trial.space.pad)
         fate, row, before, head, used = follow_trial(trial, before, head, budget, body, wall)
         samples += used + budget.skip
         if body.halt[0] > 0.0:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hknob_cli.engine.general.body import Body
-from hknob_cli.engine.general.clock_cells import HOLD, LEVELS, THERE, Cells, rounded
+from hknob_cli.engine.general.clock_cells import HOLD, LEVELS, THERE, Cells, Joined, rounded
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.jitter import SHORTEST
 from hknob_cli.engine.propagator import hold_coefficients
@@ -160,9 +160,8 @@ class ClockBound:
             self.visits += visits
             if filled <= 0:
                 return 0.0 if filled == 0 else None
-            lows, highs = np.zeros(filled), np.zeros(filled)
-            parent = np.zeros(len(state), np.int64)
-            found = self._widest(state, queue, filled, parent, degree, lows, highs, cells, self._body, self._wall)
+            joined = Joined(np.zeros(len(state), np.int64), degree, np.zeros(filled), np.zeros(filled))
+            found = self._widest(state, queue, filled, joined, cells, self._body, self._wall)
             best = found if best is None else min(best, found)
             covered = self._halved(cells, queue[:filled]) if GROWS * visits <= MOST_VISITS else None
         return best

@@ -83,23 +83,24 @@ def rubs_alone(ring, body, wall):
     return alone and wall.hysteresis == 0.0 and wall.damping == 0.0 and wall.analog == 0.0 and not jitters(wall.clock)
 
 
-def pass_over(z, before, ring, head, samples, limit, body, wall, pad):
-    """Many intervals at once, as long as ``z`` stays within ``limit``: ``(reading, head)``."""
+def pass_over(z, before, ring, head, budget, body, wall, pad):
+    """The intervals that ``budget`` skips at once, as long as ``z`` stays within its limit: ``(reading, head)``."""
+    limit = budget.limit
     delay = len(ring)
     if jitters(wall.clock):
-        for _ in range(samples):
+        for _ in range(budget.skip):
             before, head = advance_jittering(z, before, ring, head, body, wall, pad)
             if has_gone(body.cogs, z, limit) or body.halt[0] > 0.0:
                 break
         return before, head
     if body.order > 2 or body.friction == 0.0 or delay > 0 or wall.hysteresis > 0.0 or has_cogs(body.cogs):
-        for _ in range(samples):
+        for _ in range(budget.skip):
             before, head = advance(z, before, ring, head, body, wall, pad)
             if has_gone(body.cogs, z, limit) or body.halt[0] > 0.0:
                 break
         return before, head
     x, v = z[0], z[1]
-    for _ in range(samples):
+    for _ in range(budget.skip):
         shown = read_after(x, before, wall)
         x, v = step_with_friction(x, v, command(shown, before, wall), 1.0, body.s2, body.g2, body.f2, body)
         before = shown

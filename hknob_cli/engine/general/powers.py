@@ -186,12 +186,14 @@ def falls(cols, stride, p, power, spare, m, scale, samples):
     return True
 
 
-def ellipse_bound(cols, stride, power, spare, p, a, residual, away, m, scale, samples):
-    """Bound by an ellipse what a difference ``residual``, known to within ``away``, can ever grow to.
+def ellipse_bound(space, m, scale, samples):
+    """Bound by an ellipse what ``space.residual``, a difference known to within ``space.away``, can ever grow to.
 
     True, and the bound in ``away``, its former self in ``power``, where the ellipse is proven to be kept. Overwrites
-    ``spare`` and ``p`` (m, m) and ``a`` (m, 2 m).
+    ``spare`` and ``total`` (m, m), which has the ellipse's matrix P, and ``matrix`` (m, 2 m).
     """
+    cols, stride, power, spare = space.cols, space.width, space.power, space.spare
+    p, a, residual, away = space.total, space.matrix, space.residual, space.away
     if not lyapunov_sum(cols, stride, p, power, spare, m, scale):
         return False
     if not falls(cols, stride, p, power, spare, m, scale, samples):
@@ -231,7 +233,7 @@ def bound_growth(space, m, scale, samples):
     cols, stride, power, spare, total = space.cols, space.width, space.power, space.spare, space.total
     residual, away = space.residual, space.away
     if not growth_bound(cols, stride, power, spare, total, m, scale):
-        return ellipse_bound(cols, stride, power, spare, total, space.matrix, residual, away, m, scale, samples)
+        return ellipse_bound(space, m, scale, samples)
     largest = 0.0
     for i in range(m):
         power[i] = away[i]

@@ -21,6 +21,7 @@ from hknob_cli.engine.general.clock_cells import (
     THERE,
     UNSEEN,
     Cells,
+    Joined,
     hold_range,
     reach_cells,
     rests,
@@ -357,8 +358,8 @@ def test_the_widest_range_is_that_of_what_is_connected(
     monkeypatch.setattr(clock_cells, "hold_range", lambda at, *_: spans[at])
     for order in (queue, queue[::-1], [queue[1], queue[0], *queue[2:]]):
         state = [THERE if at in queue else UNSEEN for at in range(10)]
-        room = [[0.0] * 4, [0.0] * 4]
-        assert widest_range(state, order, 4, [0] * 10, [0] * 10, *room, cells, None, None) == widest
+        joined = Joined([0] * 10, [0] * 10, [0.0] * 4, [0.0] * 4)
+        assert widest_range(state, order, 4, joined, cells, None, None) == widest
 
 
 def test_what_a_motion_has_left_takes_nothing_along(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -419,8 +420,8 @@ def follow_cells(
     left, _ = functions["general.trim_cells"](state, queue, filled, degree, cells, body, wall)
     assert set(np.flatnonzero(state == THERE).tolist()) == set(queue[:left].tolist())
     assert np.count_nonzero(state != UNSEEN) == left
-    lows, highs, parent = np.zeros(left), np.zeros(left), np.zeros(size, np.int64)
-    widest = functions["general.widest_range"](state, queue, left, parent, degree, lows, highs, cells, body, wall)
+    joined = Joined(np.zeros(size, np.int64), degree, np.zeros(left), np.zeros(left))
+    widest = functions["general.widest_range"](state, queue, left, joined, cells, body, wall)
     return found, resting, queue[:left].copy(), widest
 
 

@@ -11,7 +11,7 @@ from scipy.linalg import expm
 
 from hknob_cli.engine.general import every_clock
 from hknob_cli.engine.general.body import Body
-from hknob_cli.engine.general.clock_cells import HOLD, LEVELS, THERE
+from hknob_cli.engine.general.clock_cells import HOLD, LEVELS, THERE, Joined
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.every_clock import (
     GROWS,
@@ -147,10 +147,8 @@ class Passes:
             assert {int(at) for at in queue[:filled]} == {int(at) for at in np.flatnonzero(state == THERE)}
         return self._trim(queue, filled)
 
-    def widest(
-        self, state: Any, queue: Any, filled: int, parent: Any, place: Any, lows: Any, highs: Any, *given: Any
-    ) -> float:
-        assert (len(lows), len(highs), len(parent), len(place)) == (filled, filled, len(state), len(state))
+    def widest(self, state: Any, queue: Any, filled: int, joined: Joined, *given: Any) -> float:
+        assert [len(one) for one in joined] == [len(state), len(state), filled, filled]
         assert given == (self.fine[-1], self.body, WALL)
         return self._widest(len(self.fine) - 1)
 

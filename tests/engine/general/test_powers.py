@@ -1,6 +1,8 @@
 """The ellipse that a linear map keeps: it holds every later difference, and is refused where nothing vanishes."""
 
 from math import cos, sin
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -30,11 +32,13 @@ MAPS = {
 
 def bound(m: np.ndarray, residual: list[float], error: list[float], scale: float = 1.0) -> list[float] | None:
     n = len(m)
-    away, work = list(error), [[0.0] * (n * n) for _ in range(3)]
-    kept = ellipse_bound(columns(m), n, *work, [0.0] * (2 * n * n), list(residual), away, n, scale, 1)
+    work: Any = {name: [0.0] * (n * n) for name in ("power", "spare", "total")}
+    space = SimpleNamespace(cols=columns(m), width=n, matrix=[0.0] * (2 * n * n), **work)
+    space.residual, space.away = list(residual), list(error)
+    kept = ellipse_bound(space, n, scale, 1)
     if kept:
-        assert work[0][:n] == error  # where the proof of a cycle looks for it
-    return away if kept else None
+        assert space.power[:n] == error  # where the proof of a cycle looks for it
+    return space.away if kept else None
 
 
 @pytest.mark.parametrize("scale", SCALES)

@@ -389,8 +389,8 @@ class Run:
     def begin_clock(self, clock: Any, number: float) -> None:
         self.told.append(("clock", clock, number))
 
-    def pass_over(self, z: Any, before: float, ring: Any, head: int, *given: Any) -> Any:
-        self.told.append(("pass", before, list(ring), head, *given[:2]))
+    def pass_over(self, z: Any, before: float, ring: Any, head: int, budget: TrialBudget, *_: Any) -> Any:
+        self.told.append(("pass", before, list(ring), head, budget))
         return -7.0, 1
 
     def follow_trial(self, trial: Any, before: float, head: int, budget: Any, one: Any, wall: Any) -> Any:
@@ -422,7 +422,7 @@ def test_trials_are_begun_passed_over_followed_and_counted(monkeypatch: pytest.M
         for step in (
             ("begin", [1.0, 2.0], (i + 0.5) / 8.0),
             ("clock", None, float(i)),
-            ("pass", -3.0, [0.0, 0.0], 0, 5, 1e6),
+            ("pass", -3.0, [0.0, 0.0], 0, TrialBudget(5, 99, True, 1e6)),
             ("follow", -7.0, 1),
         )
     ]

@@ -7,6 +7,7 @@ from typing import Any
 import mpmath as mp
 import pytest
 
+from hknob_cli.engine.budget import TrialBudget
 from hknob_cli.engine.general import interval
 from hknob_cli.engine.general.body import FIRST, SECOND, Body
 from hknob_cli.engine.general.columns import Columns
@@ -187,6 +188,10 @@ CROSSES = {
 }
 
 
+def skipping(samples: int, limit: float = inf) -> TrialBudget:
+    return TrialBudget(samples, 99, True, limit)
+
+
 @pytest.mark.parametrize("name", CROSSES)
 def test_intervals_at_once_are_intervals_one_by_one(name: str) -> None:
     """To the bit; and none more where the motion is past the limit, to either side."""
@@ -195,7 +200,7 @@ def test_intervals_at_once_are_intervals_one_by_one(name: str) -> None:
         for samples in (0, 1, 7, 30):
             z, own, ring, line = [x, 1.0], [x, 1.0], [0.5, 0.25][:delay], [0.5, 0.25][:delay]
             before, head, _ = one_by_one(own, 0.0, line, 0, samples, limit, body, wall)
-            assert pass_over(z, 0.0, ring, 0, samples, limit, body, wall, [0.0] * 8) == (before, head)
+            assert pass_over(z, 0.0, ring, 0, skipping(samples, limit), body, wall, [0.0] * 8) == (before, head)
             assert (z, ring) == (own, line)
 
 
@@ -206,7 +211,7 @@ def test_what_stands_at_the_limit_is_past_it(monkeypatch: pytest.MonkeyPatch) ->
     for body in (plain, RUBBING):
         for v in (1.0, -1.0):
             z = [0.0, v]
-            pass_over(z, 0.0, [], 0, 9, 5.0, body, wall_of(0.0), [])
+            pass_over(z, 0.0, [], 0, skipping(9, 5.0), body, wall_of(0.0), [])
             assert z == [5.0 * v, v]
 
 
@@ -220,7 +225,7 @@ def test_what_is_given_up_stops_there(monkeypatch: pytest.MonkeyPatch, stops: in
         return before - 1.0, head + 1
 
     monkeypatch.setattr(interval, "advance", move)
-    assert pass_over([0.0, 0.0], 0.0, [], 0, 6, inf, body, wall_of(), []) == (-min(stops, 6), min(stops, 6))
+    assert pass_over([0.0, 0.0], 0.0, [], 0, skipping(6), body, wall_of(), []) == (-min(stops, 6), min(stops, 6))
     assert taken == [(-float(k), k) for k in range(min(stops, 6))]
 
 
@@ -241,13 +246,13 @@ def test_only_a_plain_body_with_friction_needs_no_line(monkeypatch: pytest.Monke
         (RUBBING, wall_of(hysteresis=0.5), [], 4),
     ):
         calls.clear()
-        pass_over([0.0] * 4, 0.0, ring, 0, 4, inf, body, wall, pad)
+        pass_over([0.0] * 4, 0.0, ring, 0, skipping(4), body, wall, pad)
         assert len(calls) == full
 
 
 def test_friction_at_once_takes_a_whole_interval(moves: Moves) -> None:
     z = [0.5, -1.0]
-    assert pass_over(z, 0.0, [], 0, 2, inf, RUBBING, wall_of(0.5), []) == (1.0, 0)
+    assert pass_over(z, 0.0, [], 0, skipping(2), RUBBING, wall_of(0.5), []) == (1.0, 0)
     assert moves.seen == [("step", 0.5, -1.0, 0.0, 1.0, 4.0, 5.0, 6.0), ("step", 1.5, 1.0, 0.0, 1.0, 4.0, 5.0, 6.0)]
 
 

@@ -29,7 +29,7 @@ def pushed(by: dict[int, float], room: float = 9.0, **more: Any) -> float:
     for at, one in by.items():
         past[at] += one
     one = body(beta=4.0)  # a reach of a half
-    return float(memory.memory_apart(law(**more), 0.0, past, 0, POINTS, 3, room, one, WALL))
+    return float(memory.memory_apart(law(**more), 0.0, past, 0, memory.OrbitSample(POINTS, 3, room), one, WALL))
 
 
 def test_a_motion_is_pushed_by_what_its_memory_is_off_by() -> None:

@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from fractions import Fraction
 from math import cos, inf, nextafter, sin
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -318,13 +320,13 @@ def ellipse(
     m: np.ndarray, residual: np.ndarray, away: np.ndarray, scale: float = 1.0, samples: int = 1
 ) -> np.ndarray | None:
     n = len(m)
-    bound = away.tolist()
-    work = [[5.0] * (n * n) for _ in range(3)]
-    kept = ellipse_bound(columns(m), STRIDE, *work, [5.0] * (2 * n * n), residual.tolist(), bound, n, scale, samples)
-    if not kept:
+    work: Any = {name: [5.0] * (n * n) for name in ("power", "spare", "total")}
+    space = SimpleNamespace(cols=columns(m), width=STRIDE, matrix=[5.0] * (2 * n * n), **work)
+    space.residual, space.away = residual.tolist(), away.tolist()
+    if not ellipse_bound(space, n, scale, samples):
         return None
-    assert work[0][:n] == away.tolist()
-    return np.array(bound)
+    assert space.power[:n] == away.tolist()
+    return np.array(space.away)
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 4, 5])

@@ -11,6 +11,7 @@ from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.controller import inside
 from hknob_cli.engine.general.follow import KNOWN
 from hknob_cli.engine.general.sets.memory import (
+    OrbitSample,
     advance_memory,
     certify_again,
     copy_settled,
@@ -134,7 +135,8 @@ def captor(z, before, ring, head, reach, known, body, wall):
         margin = table[row * FIELDS + 2] - table[row * FIELDS + 5] - body.reach * reach
         if not abs(z[0] - points[base + 2]) < margin:
             continue
-        pushed = memory_apart(known.law, before, ring, head, points, base, table[row * FIELDS + 9], body, wall)
+        sample = OrbitSample(points, base, table[row * FIELDS + 9])
+        pushed = memory_apart(known.law, before, ring, head, sample, body, wall)
         for j in range(n):
             away[j] = z[j] - points[base + 2 + j]
         if distance(away, body) + pushed < margin:
@@ -148,7 +150,7 @@ def resting(z, before, ring, reach, level, known, body, wall):
     ``level``: the reading as which all of them act.
     """
     n, space = body.order, known.space
-    fate, shown, gap, push, bound = rest_within(known.law, z, level, before, ring, body, wall, space.orbit, space.away)
+    fate, shown, gap, push, bound = rest_within(known.law, z, level, before, ring, body, wall, space)
     if fate != AT_REST:
         return -1
     if not (distance(space.away, body) + push + body.reach * reach) * (1.0 + 1e-9) + 1e-12 + bound < gap:

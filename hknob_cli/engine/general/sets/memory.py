@@ -5,6 +5,8 @@ memory are what they are in double precision: they have no error. Each function 
 and then `general.controller` commands. Memory is one array, the commands under way or `laws.law.Law`'s ``past``.
 """
 
+from typing import Any, NamedTuple
+
 from hknob_cli.engine.budget import TrialBudget
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NOT_CAPTURED, PROVEN
 from hknob_cli.engine.general.body import copy_to
@@ -113,15 +115,24 @@ def reading_of(law, z, before, ring, wall):
     return read_after(z[0], ring[law.line - 1], wall)
 
 
-def memory_apart(law, before, ring, head, points, base, room, body, wall):
-    """Bound on how far a motion is pushed from an orbit's by what it remembers; infinite where that is not the same.
+class OrbitSample(NamedTuple):
+    """A sample of a proven orbit.
 
-    ``points[base:]``: row, last reading, state and memory of the orbit, as `known.add_points` leaves them; ``room``: of
+    ``points``: row, last reading, state and memory, from ``base`` on, as `known.add_points` leaves them; ``room``: of
     its row, as `captured_with_law` has it.
     """
-    delay, at = len(ring), base + 2 + body.order
+
+    points: Any
+    base: int
+    room: float
+
+
+def memory_apart(law, before, ring, head, sample, body, wall):
+    """Bound on how far a motion is pushed from an orbit's by what it remembers; infinite where that is not the same."""
+    points, room = sample.points, sample.room
+    delay, at = len(ring), sample.base + 2 + body.order
     if law is None:
-        if (wall.damping > 0.0 or wall.hysteresis > 0.0) and before != points[base + 1]:
+        if (wall.damping > 0.0 or wall.hysteresis > 0.0) and before != points[sample.base + 1]:
             return float("inf")
         for j in range(delay):
             if ring[(head + j) % delay] != points[at + j]:
@@ -160,13 +171,14 @@ def certify_again(law, period, known, body, wall):
     return DIFFERENT, 0.0, 0.0, 0.0
 
 
-def rest_within(law, z, level, before, ring, body, wall, orbit, away):
+def rest_within(law, z, level, before, ring, body, wall, space):
     """Where a motion without friction that acts as ``level`` comes to rest: ``(fate, shown, gap, push, bound)``.
 
     ``shown``: the reading there; ``gap``: how far it is from a change of torque; ``push``: by how much torques that
-    still change may carry the motion away; ``bound``: on all roundings, in counts. The rest is left in ``orbit``, and
-    how far ``z`` is from it in ``away``.
+    still change may carry the motion away; ``bound``: on all roundings, in counts. The rest is left in ``space.orbit``,
+    and how far ``z`` is from it in ``space.away``.
     """
+    orbit, away = space.orbit, space.away
     if law is None:
         shown = read_after(z[0], before, wall)
         fate, gap = settles(z, shown, before, ring, body, wall, orbit, away)

@@ -42,7 +42,7 @@ def test_without_a_law_commands_under_way_are_all_that_is_remembered() -> None:
     points = [0.0, -1.0, 0.5, 0.5, 4.0, 5.0]
     for head, ring, away in ((0, [4.0, 5.0], 0.0), (1, [5.0, 4.0], 0.0), (0, [5.0, 4.0], inf), (0, [4.0, 6.0], inf)):
         for before in (-1.0, 0.0):
-            given = (ring, head, points, 0, 0.0, made.knob.body)
+            given = (ring, head, memory.OrbitSample(points, 0, 0.0), made.knob.body)
             assert memory.memory_apart(None, before, *given, WALL) == away
             damped = WALL._replace(damping=1e-9)
             assert memory.memory_apart(None, before, *given, damped) == (away if before == -1.0 else inf)
@@ -72,7 +72,8 @@ def test_a_set_is_captured_below_the_margin_less_what_its_memory_pushes(parts: d
     other[law.fading] += 0.3 * margin / body.reach * (1.0 - law.fade) / law.weight
     left = torques_apart(other, past, law)
     assert left == pytest.approx(0.3 * margin / body.reach)
-    pushed = memory.memory_apart(law, 0.0, other, 0, ends.points, 0, ends.table[9], body, wall)
+    sample = memory.OrbitSample(ends.points, 0, ends.table[9])
+    pushed = memory.memory_apart(law, 0.0, other, 0, sample, body, wall)
     assert pushed == body.reach * left
     for reach, row in ((0.69, 0), (0.71, -1)):
         assert known.captor(z, 0.0, other, 0, reach * margin / body.reach, ends, body, wall) == row
