@@ -39,6 +39,7 @@ GENERAL = (
     "general.columns",
     "general.cogging",
     "general.teeth",
+    "general.teeth_ends",
     "general.flank_rest",
     "general.flanks",
     "general.slopes",

@@ -114,6 +114,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/standstill.py": STANDSTILL,
     "general/inner_region.py": (f"{PROOF}test_region_margins.py", *FLANKS, f"{GENERAL}test_inner_region.py"),
     "general/teeth.py": TEETH,
+    "general/teeth_ends.py": TEETH,
     "general/flanks.py": (*TEETH, f"{GENERAL}test_turning_points.py"),
     "general/flank_rest.py": FLANKS,
     "general/parting.py": (f"{GENERAL}test_parting.py",),

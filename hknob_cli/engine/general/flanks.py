@@ -30,11 +30,11 @@ from hknob_cli.engine.general.teeth import (
     direction,
     flank,
     halves_of,
-    press,
     pressing,
     teeth_pull,
     teeth_rate,
 )
+from hknob_cli.engine.general.teeth_ends import Mode, press
 
 STILL = 1e-11  # counts, relative: what moves by less has settled, and meets a velocity of 0 at every rounding
 
@@ -97,7 +97,7 @@ def play_many(z, u, span, body, pad):
     toward = direction(z, u, side, body, slope) if body.friction > 0.0 else 0
     fresh = toward != 0 and z[1] == 0.0
     while left > 0.0:
-        t, ended, _ = press(z, u, side, toward, left, fresh, body, pad, slope)
+        t, ended, _ = press(z, u, Mode(side, toward, slope), left, fresh, body, pad)
         left -= t
         if ended == 0:
             break
@@ -160,7 +160,7 @@ def play_columns(z, u, span, body, pad, columns, marks):
     if rubs and z[1] == 0.0:
         marks[LEVEL] = min(marks[LEVEL], abs(abs(teeth_pull(z, 0, u, side, body, slope)) - body.friction))
     while left > 0.0:
-        t, ended, least = press(z, u, side, toward, left, fresh, body, pad, slope)
+        t, ended, least = press(z, u, Mode(side, toward, slope), left, fresh, body, pad)
         spread_teeth(columns, t, side, toward, body, pad, slope)
         marks[PRESSED] = min(marks[PRESSED], least if side != 0 else -1.0)
         left -= t
@@ -216,7 +216,7 @@ def play_chart(z, u, span, body, pad, rows, pieces):
     while left > 0.0 and rows < len(pieces.spans):
         for j in range(n):
             pieces.states[rows * n + j] = z[j]
-        t, ended, _ = press(z, u, side, toward, left, fresh, body, pad, slope)
+        t, ended, _ = press(z, u, Mode(side, toward, slope), left, fresh, body, pad)
         left -= t
         if t > 0.0:
             pieces.spans[rows], pieces.commands[rows] = t, u

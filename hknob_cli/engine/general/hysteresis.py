@@ -12,7 +12,8 @@ from hknob_cli.engine.general.controller import edge_gap, read_after
 from hknob_cli.engine.general.flanks import STILL, pass_any_end, play_many, still_in_teeth
 from hknob_cli.engine.general.slide_two import way
 from hknob_cli.engine.general.slopes import cog_many, pass_on, roll, settled, way_from
-from hknob_cli.engine.general.teeth import direction, flank, press
+from hknob_cli.engine.general.teeth import direction, flank
+from hknob_cli.engine.general.teeth_ends import Mode, press
 
 
 def way_at_most(z, u, span, body, pad):
@@ -49,7 +50,7 @@ def turn_teeth(z, u, span, shown, body, wall, pad):
     toward = direction(z, u, side, body, slope)
     fresh = body.friction > 0.0 and toward != 0 and z[1] == 0.0
     while left > 0.0:
-        t, ended, _ = press(z, u, side, toward, left, fresh, body, pad, slope)
+        t, ended, _ = press(z, u, Mode(side, toward, slope), left, fresh, body, pad)
         left -= t
         if ended == 0:
             break

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from hknob_cli.engine.general import flanks, teeth
+from hknob_cli.engine.general import flanks, teeth_ends
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.cogging import TURNED
 from hknob_cli.engine.general.columns import Columns
@@ -25,7 +25,8 @@ from hknob_cli.engine.general.flanks import (
     play_many,
     spread_teeth,
 )
-from hknob_cli.engine.general.teeth import APART, BACK, SPRUNG, STUCK_APART, STUCK_BACK, flank, press, pressing, touches
+from hknob_cli.engine.general.teeth import APART, BACK, SPRUNG, STUCK_APART, STUCK_BACK, flank, pressing, touches
+from hknob_cli.engine.general.teeth_ends import Mode, press
 
 from .gears import Gear, begun, geared
 
@@ -121,7 +122,7 @@ def test_one_mode_is_left_at_its_end_and_bounds_its_torque(name: str) -> None:
         z, side = list(case.z), flank(case.z, case.body)
         rubs = body.friction > 0.0
         way = Gear(body).way_of(np.array([*case.z, 1.0, case.u]), side)
-        t, ended, least = press(z, case.u, side, way, case.span, False, body, case.pad)
+        t, ended, least = press(z, case.u, Mode(side, way, 0.0), case.span, False, body, case.pad)
         if not case.events:
             assert (t, ended) == (case.span, 0)
             assert case.near(z, case.end)
@@ -308,9 +309,8 @@ class Script:
         patch.setattr(module, "pass_end", self.pass_end)
         patch.setattr(module, "teeth_pull", self.teeth_pull, raising=False)
 
-    def press(
-        self, z: Any, u: float, side: int, way: int, left: float, fresh: bool, body: Body, pad: Any, slope: float
-    ) -> Any:
+    def press(self, z: Any, u: float, mode: Mode, left: float, fresh: bool, body: Body, pad: Any) -> Any:
+        side, way, slope = mode
         assert slope == 0.0
         self.asked.append((side, way, left, fresh))
         t, end, least, *_ = self.steps[len(self.asked) - 1]
@@ -514,11 +514,11 @@ def test_where_teeth_meet_a_motor_that_stood_starts_by_its_neighbours_delay(monk
 def test_what_stands_between_teeth_that_touch_is_one_step(flank_of: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing changes, and yet the overlap of teeth is 0, not above it: as where a motion has died away."""
     body, steps = body_of("plain"), []
-    accept = teeth.accept
-    monkeypatch.setattr(teeth, "accept", lambda z, pad, n: steps.append(len(steps)) or accept(z, pad, n))
+    accept = teeth_ends.accept
+    monkeypatch.setattr(teeth_ends, "accept", lambda z, pad, n: steps.append(len(steps)) or accept(z, pad, n))
     z = [-body.shift, 0.0, -flank_of * body.play, 0.0]
     body = body._replace(finger_stiffness=0.0, matrices=[0.0] * len(body.matrices), vectors=[0.0] * len(body.vectors))
-    assert press(list(z), 0.0, 0, 0, 1.0, False, body, [0.0] * (2 * body.order)) == (1.0, 0, inf)
+    assert press(list(z), 0.0, Mode(0, 0, 0.0), 1.0, False, body, [0.0] * (2 * body.order)) == (1.0, 0, inf)
     assert len(steps) == 1
 
 

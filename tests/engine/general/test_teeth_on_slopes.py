@@ -22,11 +22,11 @@ from hknob_cli.engine.general.teeth import (
     STUCK_BACK,
     direction,
     flank,
-    press,
     pressing,
     teeth_pull,
     teeth_rate,
 )
+from hknob_cli.engine.general.teeth_ends import Mode, press
 
 from .toothed import SCENES, Integrated, Toothed, begun_on, body_of
 
@@ -151,7 +151,7 @@ def test_one_mode_is_left_at_its_end_and_bounds_its_torque(name: str) -> None:
         body, gear = case.body, case.gear
         z, side = list(case.z), flank(case.z, case.body)
         _, way, slope = case.first
-        t, ended, least = press(z, case.u, side, way, case.span, False, body, case.pad, slope)
+        t, ended, least = press(z, case.u, Mode(side, way, slope), case.span, False, body, case.pad)
         if not case.events:
             assert (t, ended) == (case.span, 0)
             assert case.near(z, case.end)

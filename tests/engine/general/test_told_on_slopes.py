@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.engine.general.cogging import CENTRE, LENGTH, ROOT, least_share
-from hknob_cli.engine.general.teeth import told
+from hknob_cli.engine.general.teeth_ends import Bounds, Mode, told
 
 from .toothed import body_of
 
@@ -35,15 +35,15 @@ def test_bounds_on_an_unstable_slope_grow_by_the_share_that_is_left(name: str) -
         z = [spacing * chance.randint(-32, 32) / 64.0, *(scattered(chance) for _ in range(body.order - 1))]
         pad = [scattered(chance) for _ in range(2 * body.order)]
         pace, twist, jerk = (abs(scattered(chance)) for _ in range(3))
-        risen = told([z[0] + spacing, *z[1:]], 0.3, pad, side, toward, h, pace, twist, jerk, body, 1.0)
+        risen = told([z[0] + spacing, *z[1:]], 0.3, pad, Mode(side, toward, 1.0), h, Bounds(pace, twist, jerk), body)
         if share == 0.0:
             assert not risen
             seen["not bounded"] += 1
             continue
-        flat = told(z, 0.3, pad, side, toward, h, pace / share, twist / share, jerk / share, body, 0.0)
+        flat = told(z, 0.3, pad, Mode(side, toward, 0.0), h, Bounds(pace / share, twist / share, jerk / share), body)
         assert risen == flat
         seen[risen, toward != 0] += 1
-        seen["it matters"] += risen != told(z, 0.3, pad, side, toward, h, pace, twist, jerk, body, 0.0)
+        seen["it matters"] += risen != told(z, 0.3, pad, Mode(side, toward, 0.0), h, Bounds(pace, twist, jerk), body)
     assert min(seen.values()) >= 20
     assert {True, False} <= {key[0] for key in seen if isinstance(key, tuple)}
 
@@ -53,5 +53,5 @@ def test_nothing_is_told_of_a_step_in_which_rates_may_double() -> None:
     root = body.cogs[ROOT]
     assert [least_share(body.cogs, 1.0, 0.5 / root), least_share(body.cogs, 1.0, 0.51 / root)] == [0.5, 0.0]
     z, pad = [0.0] * body.order, [0.0] * (2 * body.order)
-    assert not told(z, 0.0, pad, 1, 0, 0.51 / root, 1e-300, 0.0, 0.0, body, 1.0)
-    assert told(z, 0.0, pad, 1, 0, 0.51 / root, 0.0, 0.0, 0.0, body, 1.0)  # nothing moves
+    assert not told(z, 0.0, pad, Mode(1, 0, 1.0), 0.51 / root, Bounds(1e-300, 0.0, 0.0), body)
+    assert told(z, 0.0, pad, Mode(1, 0, 1.0), 0.51 / root, Bounds(0.0, 0.0, 0.0), body)  # nothing moves

@@ -16,6 +16,7 @@ from hknob_cli.engine.general.flanks import still_in_teeth
 from hknob_cli.engine.general.hysteresis import pass_still, turn_and_count, way_at_most
 from hknob_cli.engine.general.slopes import cog_many
 from hknob_cli.engine.general.teeth import flank, pressing
+from hknob_cli.engine.general.teeth_ends import Mode
 
 from .bodies import knob
 from .cogs import SCENES, Cogged, body_of
@@ -321,10 +322,8 @@ def test_the_count_is_taken_where_the_motors_way_ends(monkeypatch: pytest.Monkey
     ]
     asked: list[tuple[int, float, bool]] = []
 
-    def press(
-        z: list[float], u: float, side: int, way: int, left: float, fresh: bool, *_: object
-    ) -> tuple[float, int, float]:
-        asked.append((way, left, fresh))
+    def press(z: list[float], u: float, mode: Mode, left: float, fresh: bool, *_: object) -> tuple[float, int, float]:
+        asked.append((mode.toward, left, fresh))
         t, z[0], _ = course[len(asked) - 1]
         return t, 1, inf
 

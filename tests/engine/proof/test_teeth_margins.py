@@ -10,7 +10,8 @@ from hknob_cli.engine.general.body import norm
 from hknob_cli.engine.general.flank_rest import flank_room
 from hknob_cli.engine.general.orbit_proof import PARTS
 from hknob_cli.engine.general.standstill import settles
-from hknob_cli.engine.general.teeth import press, pressing, stuck_told, told
+from hknob_cli.engine.general.teeth import pressing
+from hknob_cli.engine.general.teeth_ends import Bounds, Mode, press, stuck_told, told
 from hknob_cli.engine.rest import AT_REST, MOVING
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
 from hknob_cli.scene.trial import follow_knob
@@ -106,10 +107,10 @@ def test_teeth_that_nothing_moves_stay_where_they_are(toward: int) -> None:
     one = lone().body
     for d in (0.0, -0.5 * one.play, -one.play):
         z = [3.0, 0.0, d, 0.0]
-        assert told(z, 0.0, [0.0] * 8, 0, toward, 1.0, 0.0, 0.0, 0.0, one)
-        assert press(list(z), 0.0, 0, toward, 1.0, False, one, [0.0] * 8) == (1.0, 0, inf)
+        assert told(z, 0.0, [0.0] * 8, Mode(0, toward, 0.0), 1.0, Bounds(0.0, 0.0, 0.0), one)
+        assert press(list(z), 0.0, Mode(0, toward, 0.0), 1.0, False, one, [0.0] * 8) == (1.0, 0, inf)
         # Once anything moves, teeth that only just touch cannot be told.
-        assert told(z, 0.0, [0.0] * 8, 0, 0, 1.0, 2.0**-20, 0.0, 0.0, one) == (-one.play < d < 0.0)
+        assert told(z, 0.0, [0.0] * 8, Mode(0, 0, 0.0), 1.0, Bounds(2.0**-20, 0.0, 0.0), one) == (-one.play < d < 0.0)
 
 
 @pytest.mark.parametrize("speed", [0.0, 1.0])
@@ -137,8 +138,8 @@ def test_a_motor_that_friction_may_let_go_is_not_told(friction: float) -> None:
     matrix = list(one.matrices)
     matrix[n + 2], matrix[n + 3] = -2.0, -0.25
     one = one._replace(matrices=matrix)
-    assert not told(z, friction + 1.0, rates, 1, 0, 1e-6, 1.0, 1.0, 1.0, one)
-    assert told(z, friction + 0.9, rates, 1, 0, 1e-6, 1.0, 1.0, 1.0, one)
+    assert not told(z, friction + 1.0, rates, Mode(1, 0, 0.0), 1e-6, Bounds(1.0, 1.0, 1.0), one)
+    assert told(z, friction + 0.9, rates, Mode(1, 0, 0.0), 1e-6, Bounds(1.0, 1.0, 1.0), one)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

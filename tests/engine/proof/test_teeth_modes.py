@@ -7,19 +7,16 @@ import numpy as np
 import pytest
 
 from hknob_cli.engine.general.cogging import TURNED
-from hknob_cli.engine.general.teeth import (
-    SPRUNG,
-    direction,
-    flank,
-    keeps_sign,
+from hknob_cli.engine.general.slide_many import keeps_sign
+from hknob_cli.engine.general.teeth import SPRUNG, direction, flank, pressing, teeth_pull, teeth_rate
+from hknob_cli.engine.general.teeth_ends import (
+    Bounds,
+    Mode,
     least_torque,
     loose_bound,
     over_now,
-    pressing,
     seen,
     teeth_over,
-    teeth_pull,
-    teeth_rate,
     told,
 )
 from tests.engine.general.gears import Gear, geared
@@ -138,9 +135,9 @@ def test_on_a_flank_one_end_at_most_is_told(side: int) -> None:
         (-1.0, 0.25, 1.0, 1.8, True),
     ):
         pad = [0.0, 0.5, side * slow, side * fast]
-        assert told(z, 0.0, pad, side, 0, h, 1.0, twist, 1.0, HAND) == clear
-        assert told(z, 0.0, pad, side, 0, h, 0.0, twist, 1.0, HAND)  # nothing moves
-        assert not told(z, 0.0, [0.0, 0.0, 0.0, 0.0], side, 1, 1.0, 1.0, 0.0, 1.0, HAND)
+        assert told(z, 0.0, pad, Mode(side, 0, 0.0), h, Bounds(1.0, twist, 1.0), HAND) == clear
+        assert told(z, 0.0, pad, Mode(side, 0, 0.0), h, Bounds(0.0, twist, 1.0), HAND)  # nothing moves
+        assert not told(z, 0.0, [0.0, 0.0, 0.0, 0.0], Mode(side, 1, 0.0), 1.0, Bounds(1.0, 0.0, 1.0), HAND)
     still = [0.0, 0.0, side * 0.125, 0.0]
     for way in (1, -1):
         for v, rate, jerk, clear in (
@@ -158,10 +155,19 @@ def test_on_a_flank_one_end_at_most_is_told(side: int) -> None:
         ):
             pad = [0.0, way * rate, *still[2:]]
             z = [0.0, way * v, DEEP[side], 0.0]
-            assert told(z, 0.0, pad, side, way, 1.0, 1.0, 0.0, jerk, HAND) == clear
+            assert told(z, 0.0, pad, Mode(side, way, 0.0), 1.0, Bounds(1.0, 0.0, jerk), HAND) == clear
             slow = [0.0, way * 0.5 * rate, *still[2:]]  # over twice as long the same happens at half the rate
             assert (
-                told([0.0, way * v, DEEP[side], 0.0], 0.0, slow, side, way, 2.0, 1.0, 0.0, 0.25 * jerk, HAND) == clear
+                told(
+                    [0.0, way * v, DEEP[side], 0.0],
+                    0.0,
+                    slow,
+                    Mode(side, way, 0.0),
+                    2.0,
+                    Bounds(1.0, 0.0, 0.25 * jerk),
+                    HAND,
+                )
+                == clear
             )
 
 
@@ -176,16 +182,22 @@ def test_in_the_gap_nothing_is_to_happen_on_one_flank_at_least() -> None:
         (-2.0, 0.25, True),
         (2.0, 2.0, False),
     ):
-        assert told(z, 0.0, [0.0, 0.0, rate, 0.0], 0, 0, 1.0, pace, 0.0, 0.0, HAND) == clear
+        assert told(z, 0.0, [0.0, 0.0, rate, 0.0], Mode(0, 0, 0.0), 1.0, Bounds(pace, 0.0, 0.0), HAND) == clear
         for way in (1, -1):
             turns = [0.0, -0.25 * way, rate, 0.0]
-            assert not told([0.0, way * 0.25, *z[2:]], 0.0, turns, 0, way, 1.0, pace, 0.0, 0.25, HAND)
+            assert not told(
+                [0.0, way * 0.25, *z[2:]], 0.0, turns, Mode(0, way, 0.0), 1.0, Bounds(pace, 0.0, 0.25), HAND
+            )
     # Out of the gap on both sides at once, or on one of them and then the other: not told.
     narrow = HAND._replace(play=0.25)
     for d in (-0.125, 0.0, -0.25):
-        assert not told([0.0, 0.0, d, 0.0], 0.0, [0.0, 0.0, 0.1, 0.0], 0, 0, 1.0, 1.0, 0.0, 0.0, narrow)
-    assert told([0.0, 0.0, 0.0, 0.0], 0.0, [0.0, 0.0, 0.5, 0.0], 0, 0, 1.0, 0.25, 0.0, 0.0, narrow)
-    assert not told([0.0, 0.0, 0.0, 0.0], 0.0, [0.0, 0.0, -0.5, 0.0], 0, 0, 1.0, 0.25, 0.0, 0.0, narrow)
+        assert not told(
+            [0.0, 0.0, d, 0.0], 0.0, [0.0, 0.0, 0.1, 0.0], Mode(0, 0, 0.0), 1.0, Bounds(1.0, 0.0, 0.0), narrow
+        )
+    assert told([0.0, 0.0, 0.0, 0.0], 0.0, [0.0, 0.0, 0.5, 0.0], Mode(0, 0, 0.0), 1.0, Bounds(0.25, 0.0, 0.0), narrow)
+    assert not told(
+        [0.0, 0.0, 0.0, 0.0], 0.0, [0.0, 0.0, -0.5, 0.0], Mode(0, 0, 0.0), 1.0, Bounds(0.25, 0.0, 0.0), narrow
+    )
 
 
 def test_a_mode_is_over_once_teeth_have_parted_or_met() -> None:

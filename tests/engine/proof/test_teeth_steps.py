@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from hknob_cli.engine.general import teeth
+from hknob_cli.engine.general import teeth_ends
 from hknob_cli.engine.general.body import HALVES, HALVES_HELD, HALVINGS, STUCK_HALVES
 from hknob_cli.engine.general.cogging import TURNED
-from hknob_cli.engine.general.teeth import SPRUNG, press
+from hknob_cli.engine.general.teeth import SPRUNG
+from hknob_cli.engine.general.teeth_ends import Bounds, Mode, press
 from tests.engine.general.gears import Gear
 from tests.engine.general.test_flanks import BODIES, body_of
 
@@ -29,21 +30,20 @@ class Course:
         self.more = {"told": [(0.0, 9.0)], "turned": 9.0, "sprung": 9.0, "torques": []} | more
         self.asked: list[float] = []  # lengths of steps
         self.took: list[tuple[float, int]] = []  # times that are reached, and which matrix has done it
-        self.bounds: list[tuple[float, ...]] = []
+        self.bounds: list[Bounds] = []
         self.rates = 0
         for name in ("told", "over_now", "stretch", "least_torque", "teeth_rate"):
-            patch.setattr(teeth, name, getattr(self, name))
+            patch.setattr(teeth_ends, name, getattr(self, name))
 
     def teeth_rate(self, z: Any, u: float, side: int, toward: int, body: Any, out: Any, slope: float) -> None:
-        assert (u, side, toward, slope) == (7.0, *self.mode, self.slope)
+        assert (u, side, toward, slope) == (7.0, *self.mode)
         self.rates += 1
         out[: body.order] = self.more.get("rates", [0.0] * body.order)
 
-    def told(self, z: Any, u: float, pad: Any, side: int, toward: int, h: float, *bounds: Any) -> bool:
-        assert (u, side, toward) == (7.0, *self.mode)
+    def told(self, z: Any, u: float, pad: Any, mode: Mode, h: float, bounds: Bounds, body: Any) -> bool:
+        assert (u, mode) == (7.0, self.mode)
         self.asked.append(h)
-        self.bounds.append(bounds[:3])
-        assert bounds[4] == self.slope
+        self.bounds.append(bounds)
         return h <= next(most for time, most in reversed(self.more["told"]) if z[0] >= time)
 
     def stretch(self, z: Any, pad: Any, matrix: int, body: Any) -> None:
@@ -54,7 +54,7 @@ class Course:
             body.halt[0] = 0.5
 
     def over_now(self, pad: Any, u: float, side: int, toward: int, body: Any, slope: float) -> int:
-        assert (u, side, toward, slope) == (7.0, *self.mode, self.slope)
+        assert (u, side, toward, slope) == (7.0, *self.mode)
         if pad[body.order] > self.more["turned"]:
             return TURNED
         return SPRUNG if pad[body.order] > self.more["sprung"] else 0
@@ -66,10 +66,10 @@ class Course:
     def run(
         self, span: float = 1.0, mode: tuple[int, int] = (1, 1), table: int = HALVES, one: Any = HAND, **more: Any
     ) -> Any:
-        self.mode, self.table, self.slope = mode, table, more.get("slope", 0.0)
+        self.mode, self.table = Mode(*mode, more.get("slope", 0.0)), table
         self.z = [0.0, *[9.0] * (one.order - 1)]
         one = one._replace(halt=[more.get("halt", 0.0)])
-        return press(self.z, 7.0, *mode, span, more.get("fresh", False), one, [0.0] * (2 * one.order), self.slope)
+        return press(self.z, 7.0, self.mode, span, more.get("fresh", False), one, [0.0] * (2 * one.order))
 
 
 def test_a_mode_is_gone_through_in_steps_that_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
