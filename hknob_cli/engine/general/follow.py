@@ -48,24 +48,27 @@ PATIENCE = 12  # times that one is, each at a quarter of the gap
 PROOF_COST = 8  # periods that a trial with a continuous sensor goes on for after an attempt that took about as many
 
 
-def rub_on(x, v, shown, most, since, limit, trial, body, wall):
-    """Move a trial that `rubs_alone` on, until a sample is to be looked at: ``(x, v, reading, samples)``.
+def rub_on(shown, most, since, limit, trial, body, wall):
+    """Move a trial that `rubs_alone` on, until a sample is to be looked at: ``(reading, samples)``.
 
     It moves over the interval after a sample that has been looked at, and over up to ``most`` more, each from the same
     level, within ``limit`` and beside no proven orbit. Readings go to the trail from ``since`` on.
     """
-    trail = trial.space.trail
+    z, trail = trial.z, trial.space.trail
+    x, v = z[0], z[1]
     level, u = depth_level(shown, wall), command(shown, shown, wall)
     x, v = step_with_friction(x, v, u, 1.0, body.s2, body.g2, body.f2, body)
     for i in range(most):
         now = read(x, wall)
         if depth_level(now, wall) != level or not -limit < x < limit or may_be_captured(x, trial, body):
-            return x, v, shown, i
+            z[0], z[1] = x, v
+            return shown, i
         shown = now
         if since + i < len(trail):
             trail[since + i] = shown
         x, v = step_with_friction(x, v, u, 1.0, body.s2, body.g2, body.f2, body)
-    return x, v, shown, most
+    z[0], z[1] = x, v
+    return shown, most
 
 
 def closes_in(trial, before, head, period, gap, body, wall):
@@ -251,7 +254,7 @@ def follow_trial(trial, before, head, budget, body, wall):
         since += 1
         if rubs:
             most = min(samples - i, looks.due - run) - 1
-            z[0], z[1], shown, more = rub_on(x, z[1], shown, most, since, budget.limit, trial, body, wall)
+            shown, more = rub_on(shown, most, since, budget.limit, trial, body, wall)
             before, since, run, i = shown, since + more, run + more, i + more
         elif jitters(wall.clock):
             before, head = advance_jittering(z, before, ring, head, body, wall, space.pad)
