@@ -54,7 +54,7 @@ from tests.verification import general_reference as reference
 from tests.verification.general_orbits import measure, solve
 from tests.verification.general_scenes import GRASP, KNOB, TWO_PARTS
 from tests.verification.law_reference import simulate_law
-from tests.verification.law_scenes import Drawn
+from tests.verification.law_scenes import FOR_EVER, Drawn
 from tests.verification.test_general_orbits import Found, positions
 from tests.verification.test_jitter import intervals
 from tests.verification.test_laws_in_the_general_loop import check_orbit
@@ -346,18 +346,22 @@ class Followed(NamedTuple):
     samples: np.ndarray  # positions at samples, counts (at most COMPARED)
 
 
-def follow(one: Case) -> Followed:
-    """Search from the start, with one phase, and run the trial once more to see its samples."""
+def follow(one: Case, *, in_code: bool = True) -> Followed:
+    """Search from the start, with one phase, and run the trial once more to see its samples.
+
+    ``in_code``: by a compiled engine.
+    """
     plain = reduced(SceneSpec.model_validate(one.scene).plain())
     made = None
     engine: GeneralEngine
     if engine_of(plain, TRIALS) == "laws":
         made = make_law(plain, sample_rate_hz=one.rate_hz, counts_per_rev=one.counts)
-        knob, rate, engine = made.knob, made.rate, LawEngine(made.law, compiled("laws"))
+        knob, rate, engine = made.knob, made.rate, LawEngine(made.law, compiled("laws") if in_code else None, patience=FOR_EVER)
         line = engine.past_length
     else:
         knob = sample_general(plain, sample_rate_hz=one.rate_hz, counts_per_rev=one.counts)
-        rate, engine, line = knob.rate, GeneralEngine(compiled("general")), knob.delay_line
+        engine = GeneralEngine(compiled("general") if in_code else None, patience=FOR_EVER)
+        rate, line = knob.rate, knob.delay_line
     start = knob.start(ANGLE, VELOCITY)
     found = engine.search(
         knob.body, knob.wall, start, rate=rate, phases=1, delay_line=line, max_samples=2**15, seconds=LONGEST_S
@@ -450,9 +454,9 @@ class Verdict(NamedTuple):
     largest: float  # error of a position of a proven cycle, over the bound that it was given
 
 
-def compare(one: Case) -> Verdict:
-    """Compare a scene. Raises `AssertionError` where package and model disagree."""
-    found = follow(one)
+def compare(one: Case, *, in_code: bool = True) -> Verdict:
+    """Compare a scene, compiled or not. Raises `AssertionError` where package and model disagree."""
+    found = follow(one, in_code=in_code)
     unit = 2 * mp.pi / one.counts / ratio_of(one) if one.counts else mp.mpf(found.knob.quantum_rad)
     shift = mp.mpf(found.knob.shift)
     size = 1.0 + float(np.abs(found.samples).max())
@@ -518,7 +522,9 @@ def derive(one: Case, found: Followed) -> float:
     unit = solved.control.quantum or mp.mpf(knob.quantum_rad)
     exact = [z[0] / unit - mp.mpf(knob.shift) for z in solved.run.states]
     measured = GeneralMeasurer(knob, found.engine).measure(end)
-    seen = positions(Found(one.scene, one.rate_hz, one.counts, knob, end, measured))
+    seen = positions(
+        Found(one.scene, one.rate_hz, one.counts, knob, end, measured), in_code=found.engine.compiled
+    )
     worst = 0.0
     for x, y in zip(seen, exact, strict=True):
         off = float(abs(mp.mpf(float(x)) - y))

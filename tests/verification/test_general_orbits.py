@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 from hknob_cli.engine.attractors import Attractor
-from hknob_cli.engine.general.search import GeneralEngine, as_compiled
-from hknob_cli.engine.general.trace import Rows
+from hknob_cli.engine.general.search import GeneralEngine, as_compiled, as_list
+from hknob_cli.engine.general.trace import Rows, run
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.general_orbit import GeneralMeasurer
@@ -90,13 +90,14 @@ def settle(
             yield Found(parts, rate_hz, counts, knob, one, measurer.measure(one))
 
 
-def positions(found: Found) -> np.ndarray:
-    """Positions of the package's orbit at its samples, counts, (period + 1,)."""
-    through: Any = compiled("general")["general.run"]
+def positions(found: Found, *, in_code: bool = True) -> np.ndarray:
+    """Positions of the package's orbit at its samples, counts, (period + 1,); ``in_code``: by a compiled loop."""
+    through: Any = compiled("general")["general.run"] if in_code else run
     n, one = found.knob.body.order, found.orbit
     rows = Rows(np.zeros((one.period + 1) * n), np.zeros(one.period + 1))
     state, line = np.array([one.x, one.v, *one.state]), np.array(one.line, dtype=np.float64)
-    body, wall = as_compiled(found.knob.body, found.knob.wall)
+    knob = found.knob
+    body, wall = as_compiled(knob.body, knob.wall) if in_code else (knob.body, as_list(knob.wall))
     through(state, one.before, line, 0, body, wall, np.zeros(2 * n), rows)
     return np.asarray(rows.states[::n])
 
