@@ -68,6 +68,7 @@ def settle(
     angle: float = START_RAD,
     velocity: float = 0.0,
     phases: int = PHASES,
+    max_samples: int | None = None,
 ) -> Iterator[Settled]:
     """Run the trials of one cell as the sweep does, and measure what they settle to."""
     knob = sample(scene, rate_hz, counts)
@@ -77,7 +78,7 @@ def settle(
         v=knob.speed(velocity),
         phases=phases,
         delay_line=knob.delay_line,
-        max_samples=None,
+        max_samples=max_samples,
     )
     measurer = Measurer(knob, engine)
     for one in search.attractors:

@@ -22,6 +22,7 @@ from .reference import Cell, build_cell
 from .scenes import BIASES, COUNTS, RATES_HZ, STIFFNESSES, hand_on_knob, sample, settle, settle_grid
 
 EPSILON = 2.0**-52
+SAMPLES = 2**20  # of a trial; a knob that creeps for longer is hardly ever proven to rest
 
 SETTINGS = settings(
     max_examples=60,
@@ -114,7 +115,8 @@ def test_rest_is_reported_only_where_the_condition_holds(
     angle = float((-draw.m + draw.part + away) * cell.quantum)
     velocity = float(speed * cell.quantum / cell.period)
     resting = False
-    for one in settle(engine, draw.scene, rate_hz, draw.counts, angle=angle, velocity=velocity, phases=3):
+    start = {"angle": angle, "velocity": velocity}
+    for one in settle(engine, draw.scene, rate_hz, draw.counts, **start, phases=3, max_samples=SAMPLES):
         if one.attractor.outcome is not Outcome.REST or not one.attractor.certified:
             continue
         assert one.measures.p2p_rad == one.measures.rms_rad == one.measures.frequency_hz == 0.0
