@@ -152,9 +152,11 @@ def _figures() -> Iterator[tuple[str, str]]:
 def _docstrings() -> Iterator[tuple[str, str]]:
     """Every file of the program with what its docstrings cite of the dissertation."""
     for path in sorted(_PACKAGE.rglob("*.py")):
-        tree = ast.parse(path.read_text(encoding="utf-8"))
+        written = path.read_text(encoding="utf-8")
+        if not any(pattern.search(" ".join(written.split())) for pattern in (_NAMED, _WRITTEN_OUT)):
+            continue
         nodes = (ast.Module, ast.ClassDef, ast.FunctionDef)
-        for node in ast.walk(tree):
+        for node in ast.walk(ast.parse(written)):
             text = " ".join((ast.get_docstring(node) or "").split()) if isinstance(node, nodes) else ""
             for pattern in (_NAMED, _WRITTEN_OUT):
                 for cited in pattern.findall(text):

@@ -105,7 +105,7 @@ def test_cutting_at_turning_points_loses_no_state(
         assert any(away <= 2.0 * piece[ERROR] + 1e-9 / body.reach for away, piece in near)
 
 
-@pytest.mark.one_in(6)
+@pytest.mark.one_in(7)
 @pytest.mark.parametrize("width", [0.1, 1.3])
 @pytest.mark.parametrize("kind", PLAIN)
 def test_arcs_hold_every_phase_and_end_as_it_does(kind: str, width: float) -> None:
