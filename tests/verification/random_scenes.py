@@ -356,8 +356,8 @@ def follow(one: Case, *, in_code: bool = True) -> Followed:
     engine: GeneralEngine
     if engine_of(plain, TRIALS) == "laws":
         made = make_law(plain, sample_rate_hz=one.rate_hz, counts_per_rev=one.counts)
-        knob, rate, engine = made.knob, made.rate, LawEngine(made.law, compiled("laws") if in_code else None, patience=FOR_EVER)
-        line = engine.past_length
+        engine = LawEngine(made.law, compiled("laws") if in_code else None, patience=FOR_EVER)
+        knob, rate, line = made.knob, made.rate, engine.past_length
     else:
         knob = sample_general(plain, sample_rate_hz=one.rate_hz, counts_per_rev=one.counts)
         engine = GeneralEngine(compiled("general") if in_code else None, patience=FOR_EVER)
@@ -522,9 +522,7 @@ def derive(one: Case, found: Followed) -> float:
     unit = solved.control.quantum or mp.mpf(knob.quantum_rad)
     exact = [z[0] / unit - mp.mpf(knob.shift) for z in solved.run.states]
     measured = GeneralMeasurer(knob, found.engine).measure(end)
-    seen = positions(
-        Found(one.scene, one.rate_hz, one.counts, knob, end, measured), in_code=found.engine.compiled
-    )
+    seen = positions(Found(one.scene, one.rate_hz, one.counts, knob, end, measured), in_code=found.engine.compiled)
     worst = 0.0
     for x, y in zip(seen, exact, strict=True):
         off = float(abs(mp.mpf(float(x)) - y))
