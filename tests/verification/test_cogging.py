@@ -32,6 +32,7 @@ from .general_scenes import LIGHT, RUBBING, TWO_PARTS, scene
 
 Array = np.ndarray[Any, Any]
 SAMPLES = 40
+TRIAL: dict[str, Any] = {"angle_rad": 0.02, "velocity_rad_s": -0.5, "phase": 0.37, "samples": SAMPLES}
 CLEAR = 1e-6  # counts from an edge within which rounding may decide
 WITHIN = 1e-9  # of a position, by the largest and a count
 STEP = 1e-8  # rad, of a start beside another
@@ -74,10 +75,8 @@ def knob_of(parts: dict[str, Any], rate: float = 1000.0, counts: int = 1024) -> 
 @pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", CASES)
 def test_every_sample_at_60_digits(name: str) -> None:
-    """Compiled, too, to the last bit."""
     knob = knob_of(CASES[name])
-    numbers: dict[str, Any] = {"angle_rad": 0.02, "velocity_rad_s": -0.5, "phase": 0.37, "samples": SAMPLES}
-    got = follow_knob(knob, **numbers)
+    got = follow_knob(knob, **TRIAL)
     model = reference.simulate(
         CASES[name],
         sample_rate_hz=1000.0,
@@ -93,7 +92,14 @@ def test_every_sample_at_60_digits(name: str) -> None:
     size = 1.0 + float(np.abs(got.angle_rad).max()) / knob.quantum_rad
     for angle, sample in zip(got.angle_rad, model.samples, strict=True):
         assert abs(float((sample.angle - mp.mpf(float(angle))) / mp.mpf(knob.quantum_rad))) <= WITHIN * size
-    for one, other in zip(got, follow_knob(knob, **numbers, compiled=True), strict=True):
+
+
+@pytest.mark.long
+@pytest.mark.drawn(3)
+@pytest.mark.parametrize("name", CASES)
+def test_compiled_to_the_last_bit(name: str) -> None:
+    knob = knob_of(CASES[name])
+    for one, other in zip(follow_knob(knob, **TRIAL), follow_knob(knob, **TRIAL, compiled=True), strict=True):
         assert np.array_equal(one, other)
 
 

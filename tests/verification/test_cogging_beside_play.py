@@ -46,11 +46,17 @@ TRIALS = [
 @pytest.mark.one_in(6)
 @pytest.mark.parametrize("one", TRIALS, ids=lambda one: str(TRIALS.index(one)))
 def test_every_sample_at_60_digits(one: Drawn) -> None:
-    """Teeth part, or corners are passed, in all of them; compiled, too, to the last bit."""
+    """Teeth part, or corners are passed, in all of them."""
     expected, found = both(one)
     assert expected.friction.parted >= 3
     angles = np.array([float(sample.angle) for sample in expected.samples])
     assert np.abs(found - angles).max() <= WITHIN * np.abs(angles).max()
+
+
+@pytest.mark.long
+@pytest.mark.drawn(3)
+@pytest.mark.parametrize("one", TRIALS, ids=lambda one: str(TRIALS.index(one)))
+def test_compiled_to_the_last_bit(one: Drawn) -> None:
     knob = knob_of(one)
     numbers: dict[str, Any] = {"angle_rad": 0.02, "velocity_rad_s": -0.5, "phase": 0.37, "samples": 60}
     for plain, fast in zip(follow_knob(knob, **numbers), follow_knob(knob, **numbers, compiled=True), strict=True):
