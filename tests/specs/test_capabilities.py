@@ -79,7 +79,7 @@ PAIRS = [
     ("controller", "play", "laws"),
     ("estimated_speed", "play", "laws"),
     ("rubbing_motor", "play", "general"),
-    ("hysteresis", "play", "general"),
+    ("play", "cogging", "general"),
     ("backlash", "play", "general"),
     ("squeeze", "play", "general"),
     ("friction", "cogging", "general"),
@@ -95,7 +95,7 @@ PAIRS = [
     ("squeeze", "cogging", "general"),
     ("squeeze", "mesh", "general"),
     *(("bare", part, "general") for part in ("profile", "detents", "end_stops", "dead_zone")),
-    ("play", "cogging", "general"),  # of the pairs with play the one that is soon done
+    ("hysteresis", "play", "general"),  # of the pairs with play the one that is soon done
     *(("bare", part, "general") for part in ("jitter", "cogging", "play")),
 ]
 
