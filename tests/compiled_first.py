@@ -9,6 +9,7 @@ import os
 from pathlib import Path
 
 from hknob_cli.engine.jit import is_kept
+from hknob_cli.scene.trial import simulate
 from hknob_cli.specs.load import load
 from hknob_cli.specs.plan import SweepPlan
 from hknob_cli.stages.sweep.run import SweepStage
@@ -24,6 +25,7 @@ SHARES = (
     ((TRIALS, FRICTION), (TRIALS, DETENTS)),
     ((TRIALS,), (PHASES,), (BOX,), (TRIALS, CONTROLLER)),
 )
+FOLLOWED = (TRIALS, FRICTION)  # whose motion is followed from sample to sample, too: several files of tests do so
 # What only long tests take.
 MORE = (
     ((PHASES, CONTROLLER), (PHASES, LIMIT), (BOX, LIMIT)),
@@ -39,12 +41,14 @@ def compile_share(spec: Path, *, long: bool) -> None:
     number = os.environ.get("PYTEST_XDIST_WORKER", "").removeprefix("gw")
     mine = int(number) if number.isdecimal() and int(number) < len(SHARES) else None
     share = () if mine is None else (*SHARES[mine], *(MORE[mine] if long else ()))
-    plans = [load(spec, (*CELL, *one), kind="sweep") for one in share]
-    stages = [SweepStage(plan, jobs=1) for plan in plans if isinstance(plan, SweepPlan)]
+    plans = [(one, load(spec, (*CELL, *one), kind="sweep")) for one in share]
+    stages = [(one, SweepStage(plan, jobs=1)) for one, plan in plans if isinstance(plan, SweepPlan)]
     # All are looked at first: a group is kept as soon as one of its functions is, and with it one of its two variants.
-    for stage in [one for one in stages if not all(map(is_kept, one.expected))]:
+    for one, stage in [(one, stage) for one, stage in stages if not all(map(is_kept, stage.expected))]:
         for group in stage.expected:
             stage.engines.compile(group)
         stage.run()
         if stage.plain:  # many cells at once are found by other entries
             stage.find_plain(0, 1)
+        if one == FOLLOWED:
+            simulate(stage.plan.scene, sample_rate_hz=1e3, counts_per_rev=512, angle_rad=0.02, samples=1, compiled=True)
