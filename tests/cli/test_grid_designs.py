@@ -123,6 +123,7 @@ def test_what_matters_in_words_and_as_a_picture(hknob, spec_file, tmp_path: Path
     assert sum(found["cells"] for found in summary["what_matters"][0]["bins"]) == 16
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("kind", "file"), [("dfa", "dfa.png"), ("predict", "predict.png")])
 def test_analyses_of_a_design_have_a_picture(kind: str, file: str, hknob, spec_file, tmp_path: Path) -> None:
     done = hknob(kind, spec_file(analysis(kind)), "-o", "out", "--plot", "--set", "grid.design.sobol=32")

@@ -59,6 +59,7 @@ def test_only_what_changed_runs_again(hknob, pipeline: Path, tmp_path: Path) -> 
     assert statuses(hknob("run", pipeline, "--json")) == dict.fromkeys(first, "computed")
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("there", ["nothing", "all", "no table", "no pipeline", "a folder"])
 def test_what_make_repeats_says_what_a_command_that_is_parsed_says(
     hknob, pipeline: Path, tmp_path: Path, there

@@ -32,6 +32,7 @@ SAMPLES = 250
 PHASES = 2
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("cell", CELLS)
 @pytest.mark.parametrize("name", CONTROLLERS)
 def test_motion_and_torque_are_the_references(name: str, cell: str) -> None:

@@ -27,6 +27,7 @@ SAMPLES = 100
 CASES = [case for case in [*PAIRS, *STICKING] if "finger" in (case.scene.get("hand") or {}) or "friction" in case.name]
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_friction_and_finger(case: Case) -> None:
     arguments = {**case.arguments, "samples": min(SAMPLES, case.samples)}

@@ -136,7 +136,7 @@ def with_output() -> list[object]:
     return found
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize(("page", "told"), with_output())
 def test_output_is_what_comes_out(page: Path, told: list[Said], tmp_path: Path, forks: Forks) -> None:
     """The commands of a block run one after the other, beside the files that the page writes down."""
@@ -162,7 +162,7 @@ def without_output() -> list[object]:
     return list(found.values())
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize(("page", "runs"), without_output())
 def test_commands_without_an_output_run(page: Path, runs: tuple[str, ...], tmp_path: Path, forks: Forks) -> None:
     (tmp_path / "experiments").symlink_to(ROOT / "experiments")

@@ -85,6 +85,7 @@ def end_of(state: Any, name: str) -> End:
     return period, *states[k], tuple(levels[whole + 1 + k - under : whole + 1 + k])
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", CELLS)
 def test_trials_end_as_they_do_one_by_one(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """In lanes, blocks of lanes and slices of blocks."""

@@ -46,6 +46,7 @@ def test_a_damaged_result_is_made_again(where: str, hknob, spec_file, tmp_path: 
     assert (json.loads(again.stdout)["status"], again.stderr) == ("up to date", "")
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("file", ["grid/cells.parquet", "grid/orbits.parquet", "page/report.html", "pipeline.json"])
 def test_a_pipeline_makes_again_what_is_damaged(file: str, hknob, spec_file, tmp_path: Path) -> None:
     spec_file()

@@ -40,6 +40,7 @@ def samples_of(orbit: Attractor, coulomb: float, rate: int, counts: int) -> np.n
     return trial.angle_rad[:-1] / QUANTUM
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("coulomb", [0.0, FRICTION])
 @pytest.mark.parametrize(("rate", "counts"), CELLS)
 def test_a_trial_settles_on_a_proven_orbit(rate: int, counts: int, coulomb: float) -> None:

@@ -18,6 +18,7 @@ SCENES = {
 }
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("angle", "velocity"), [(0.02, 0.0), (0.01, -0.7), (-0.01, 0.4), (0.0, -0.3)])
 @pytest.mark.parametrize("name", SCENES)
 def test_what_is_said_of_a_course_is_what_its_events_show(name: str, angle: float, velocity: float) -> None:

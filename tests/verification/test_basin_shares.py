@@ -35,6 +35,7 @@ def orbit_levels(one: Settled) -> tuple[int, ...]:
     return tuple(min(int(x // 1), 0) for x in holds.x[:n])
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("bias", "rate_hz", "counts", "phases", "samples"), CELLS)
 def test_trials_of_each_orbit(
     engine: Engine, bias: str, rate_hz: float, counts: int, phases: int, samples: int

@@ -57,6 +57,7 @@ VARIANTS: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("bias", BIASES)
 @pytest.mark.parametrize("name", VARIANTS)
 def test_delays_and_other_encoders(engine: Engine, bias: str, name: str) -> None:

@@ -126,6 +126,7 @@ BOXES = [
 ]
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize(("stiffness", "bias", "rate", "counts"), BOXES)
 def test_random_starts_end_in_listed_orbits(
     sets: SetEngine, stiffness: float, bias: str, rate: float, counts: int

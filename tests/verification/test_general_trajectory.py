@@ -122,6 +122,7 @@ def test_every_sample(case: Case) -> None:
     assert np.array_equal(np.diff(got.angle_rad)[same], np.zeros(same.sum()))
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_compiled_to_the_last_bit(case: Case) -> None:
     """Compiled and interpreted, the engine is the same arithmetic."""

@@ -59,6 +59,7 @@ def of_package(one: Case, *, samples: int) -> Any:
     return simulate(plain, **arguments)
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("one", CASES, ids=lambda one: one.name)
 def test_every_sample_is_the_models(one: Case) -> None:
     expected = reference.simulate(one.scene, **one.arguments)

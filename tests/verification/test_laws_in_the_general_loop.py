@@ -222,6 +222,7 @@ def test_a_winding_beside_a_controller(controller: str, winding: str) -> None:
     assert found, "no proven cycle: nothing was tested"
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("controller", ["bounded lag", "damping, sensor", "speed, tracked", "angle, filtered"])
 def test_a_dead_band(controller: str) -> None:
     """Of a part of the torque of a count to a few of them."""

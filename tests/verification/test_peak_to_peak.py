@@ -63,6 +63,7 @@ def grid(engine: Engine) -> dict[str, list[Settled]]:
     return {bias: settle_grid(engine, hand_on_knob(bias)) for bias in BIASES}
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("bias", BIASES)
 @pytest.mark.parametrize("rate_hz", RATES_HZ, ids="{:.0f}Hz".format)
 def test_grid(grid: dict[str, list[Settled]], bias: str, rate_hz: float) -> None:

@@ -78,6 +78,7 @@ def check(points: list[Point]) -> None:
                 assert error <= RELATIVE * abs(value) + UNDERFLOW, f"{where}: {float(error / abs(value)):.3g} relative"
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("t", TIMES)
 def test_log_grid(t: float) -> None:
     """Damping 0 and 1e-12 ... 1e12, stiffness 0 and 1e-20 ... 1e8, in decades."""

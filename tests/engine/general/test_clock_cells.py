@@ -101,6 +101,7 @@ def scenes(count: int) -> Iterator[tuple[Random, GeneralKnob]]:
         yield chance, knob_of(with_clock(scene(**parts), jitter), rate, 512)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("fineness", [1, 8, 64])
 def test_successors_hold_the_next_state_of_every_motion(fineness: int) -> None:
     """From corners, sides and within, after the shortest, the longest and other intervals; where a hold goes, too."""

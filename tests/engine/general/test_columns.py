@@ -61,6 +61,7 @@ def difference(one: GeneralKnob, values: list[float], c: int, h: float) -> np.nd
     return (np.array(moved(one, high)) - np.array(moved(one, low))) / (2 * h)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", LOOPS)
 def test_columns_are_differences(name: str) -> None:
     """Central differences of step h err by eps / h, 1e-8 of the largest slope, and by h^2 times a third derivative.

@@ -54,6 +54,7 @@ def test_a_count_ends_at_its_edges(rounding: str) -> None:
             assert between == (read(x, one) == count)
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("rounding", ROUNDINGS)
 @pytest.mark.parametrize("more", [{}, {"damping": 0.5}, {"table": TABLE}, {"table": TABLE, "damping": 0.5}])
 @pytest.mark.parametrize("width", [0.0, 0.25, 1.0, 2.5])

@@ -45,6 +45,7 @@ from .cogs import CLOSE, COGS, PLAIN, RUBS, SCENES, SEEDS, Case, Cogged, Script,
 NONE = Columns([], 0, 0, 2)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", SCENES)
 def test_columns_are_the_derivative_and_marks_what_decides(name: str) -> None:
     """Against differences of the motion itself, of states 1e-6 apart, where no neighbour goes another way."""

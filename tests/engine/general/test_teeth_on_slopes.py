@@ -93,6 +93,7 @@ def test_rates_and_pulls_are_those_of_the_parts(name: str) -> None:
                 assert direction(z, u, side, body, slope) == then
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", SCENES)
 def test_a_motion_and_its_chart_go_from_event_to_event(name: str) -> None:
     """The same ends, in the same order; a chart has a piece for each, with its mode."""

@@ -19,6 +19,7 @@ def scattered(chance: Random, low: float = -6.0, high: float = 1.0) -> float:
     return float(chance.choice((-1.0, 1.0)) * 10.0 ** chance.uniform(low, high))
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", [FRICTIONLESS, RUBS])
 def test_bounds_on_an_unstable_slope_grow_by_the_share_that_is_left(name: str) -> None:
     """There all second derivatives may be as much larger as the rates may grow; on a stable slope they are not."""

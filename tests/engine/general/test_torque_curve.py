@@ -58,6 +58,7 @@ def tried(seed: int) -> tuple[GeneralKnob, Any, Any, list[float]]:
     return knob, along_angle(whole), jumps(whole), at
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_torque_is_that_of_the_words(seed: int) -> None:
     """To some roundings of the size of what it is made of; a jump is as near as the rounding of its place."""
@@ -70,6 +71,7 @@ def test_a_torque_is_that_of_the_words(seed: int) -> None:
         assert off <= ROUNDINGS * rounded_size(x, knob.wall.curve), (x, float(off))
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_within_its_room_a_torque_goes_on_by_its_slope(seed: int) -> None:
     """Off the line by no more than the bend allows, and nowhere steeper than the steepest slope."""

@@ -266,6 +266,7 @@ def test_either_edge_may_be_the_nearest() -> None:
 # The proof.
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("one", ORBITS, ids=lambda one: f"{one.n} samples")
 def test_the_true_motion_is_within_the_bound_at_every_sample(one: Orbit) -> None:
     """The periodic motion under these levels at 60 digits; the computed one starts where the certificate says."""

@@ -282,6 +282,7 @@ def at_edge(one: Orbit) -> tuple[Loop, float, float] | None:
     return None
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("one", ORBITS, ids=known)
 def test_an_orbit_within_rounding_of_an_edge_is_called_so(one: Orbit) -> None:
     """When the samples are over; its state repeats with what is under way then, wherever the trial is."""

@@ -128,6 +128,7 @@ def test_no_piece_of_one_phase_is_one_state(monkeypatch: pytest.MonkeyPatch) -> 
     assert low_v < 0.0 < high_v < 1e-290
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("turn", [0.05, 0.7, 3.0, 9.0])
 @pytest.mark.parametrize("friction", [0.0, 0.02, 0.3])
 @pytest.mark.parametrize("alpha", [0.0, 0.3, 4.0])

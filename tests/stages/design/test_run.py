@@ -46,6 +46,7 @@ def searched(plan: DesignPlan, everything: Any) -> list[dict[str, Any]]:
     return rows
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("exhaustive", [False, True])
 def test_processes_find_what_one_finds(monkeypatch: pytest.MonkeyPatch, exhaustive: bool) -> None:
     monkeypatch.setattr("hknob_cli.stages.design.run.FEW", 0)

@@ -58,6 +58,7 @@ def random_state(knob: GeneralKnob, chance: random.Random) -> list[float]:
     return z
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize(("kind", "rate"), CASES)
 def test_an_interval_adds_no_more_than_its_bound(kind: str, rate: float) -> None:
     """The computed state against 60 digits, for older and newer commands; the bound is not empty."""
@@ -153,6 +154,7 @@ def test_differences_move_as_the_plant_does(kind: str, rate: float) -> None:
     assert drift.blur < 1e-10
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize(("kind", "rate"), CASES)
 def test_free_motion_for_a_part_of_a_period(kind: str, rate: float) -> None:
     """D(t) times a rate, against 60 digits."""

@@ -188,6 +188,7 @@ def test_a_count_follows_a_stop_by_half_of_the_hysteresis() -> None:
     assert counts_after(1.0, (False, 9.0, 9.0), -3.0, 0.0, wall) == (-3.0, -3.0)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("actuator", ACTUATORS[:4])
 def test_all_phases_are_complete(actuator: dict[str, float]) -> None:
     """Trials of some of them end in the cycles that are listed."""

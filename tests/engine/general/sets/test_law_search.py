@@ -216,6 +216,7 @@ def test_both_engines_find_the_same(name: str) -> None:
         assert share == pytest.approx(listed[1][key], abs=2.0**-16 * other.pieces)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", HOSTILE)
 def test_phases_end_where_trials_end_however_hostile_the_gains(name: str) -> None:
     """Of 24 trials."""
