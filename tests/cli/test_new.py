@@ -38,6 +38,7 @@ def test_starters_are_commented_and_fit(kind: str) -> None:
     assert not [line for line in lines if line.startswith(("#{", "#}"))]
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("preset", names())
 @pytest.mark.parametrize("kind", WITH_SCENE)
 def test_starters_from_presets(kind: str, preset: str, tmp_path: Path) -> None:

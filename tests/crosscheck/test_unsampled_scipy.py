@@ -88,6 +88,7 @@ def solved(scene: dict[str, Any], counts: int, angle: float, velocity: float, ti
     return out
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("knob", "hand", "encoder", "counts"),
     [

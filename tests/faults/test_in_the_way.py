@@ -134,6 +134,7 @@ def exchange(folder: Path) -> None:
     other.write_bytes(content)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("what", TORN)
 def test_damaged_parts_are_computed_again_and_others_kept(sweep, tmp_path: Path, what: str) -> None:
     out = tmp_path / "out"

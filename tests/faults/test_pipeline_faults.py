@@ -127,6 +127,7 @@ def test_a_second_run_on_one_folder_is_refused(hknob, tmp_path: Path) -> None:
     assert "another run is writing here" in second.stderr
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(
     "damage",
     ["", "lock-version = 1\n[[", "\x00\x00", 'lock-version = "99"\ntask = []\n', 'lock-version = "1"\ntask = 3\n'],
@@ -145,6 +146,7 @@ def test_a_damaged_record_costs_no_result(hknob, spec_file, tmp_path: Path, dama
     assert "up to date" in hknob("run", spec, "-o", "out").stdout
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("damage", ["", "{}", "[]", '{"name": 3}', "\x00"])
 def test_a_damaged_note_of_the_last_run_costs_nothing(hknob, spec_file, tmp_path: Path, damage: str) -> None:
     spec = spec_file()

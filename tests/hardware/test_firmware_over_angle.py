@@ -79,6 +79,7 @@ def filled(one: OverAngle) -> COverAngle:
     return table
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("counts", [256, 1000, 1024, 2048])
 @pytest.mark.parametrize("name", CASES)
 def test_torques_are_those_of_the_engine_to_the_last_bit(name: str, counts: int) -> None:

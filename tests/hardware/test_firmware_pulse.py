@@ -51,6 +51,7 @@ def wandering_grips(seed: int, count: int) -> np.ndarray:
     return np.where(rng.random(count) < 0.02, levels, grip).astype(np.float32).astype(np.float64)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("name", ORDERS)
 def test_torques_are_those_of_the_host_to_the_last_bit(name: str) -> None:
     seen: set[str] = set()

@@ -92,6 +92,7 @@ def engine() -> GeneralEngine:
 WITHOUT_COUNTS = ("friction", "two parts", "two parts and friction", "lag, friction, two parts")
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(
     ("name", "counts"), [*((name, 1024) for name in GENERAL), *((name, None) for name in WITHOUT_COUNTS)]
 )

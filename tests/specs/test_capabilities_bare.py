@@ -62,6 +62,7 @@ READ_AN_ANGLE: list[dict[str, Any]] = [
 ]
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("starts", ["phases", "one", "ranges"])
 @pytest.mark.parametrize("controller", READ_AN_ANGLE, ids=lambda one: "-".join(map(str, one.values())))
 def test_a_controller_reads_a_continuous_sensor(controller: dict[str, Any], starts: str) -> None:

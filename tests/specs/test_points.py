@@ -36,6 +36,7 @@ def test_points_are_those_of_the_library(method: str) -> None:
     assert np.array_equal(found, whole(method, 256, 5, 7))
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize("method", METHODS)
 @given(data=st.data())
 def test_runs_of_points_do_not_depend_on_how_they_are_cut(method: str, data: st.DataObject) -> None:

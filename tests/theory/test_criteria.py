@@ -88,6 +88,7 @@ def test_tsai_and_colgate_s_limit_is_within_what_all_shifts_together_allow(
     assert not one_shift(1.001 * limit)
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", ["tsypkin", "tsai_colgate"])
 @pytest.mark.parametrize("plant", PLANTS.values(), ids=PLANTS)
 def test_where_no_oscillation_is_promised_the_loop_deep_in_the_wall_is_stable(name: str, plant: WorkingEdge) -> None:
@@ -155,6 +156,7 @@ def characteristic(plant: WorkingEdge, *, stiffness: float, virtual: float) -> n
     return np.polyadd(np.polymul(under, [1.0, *[0.0] * (whole + 1)]), np.polymul(over, controller))
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("whole", [0, 1, 20])
 @pytest.mark.parametrize("virtual", [0.0, 1e-5, 3e-4])
 @pytest.mark.parametrize("name", [name for name in PLANTS if name != "delayed"])
@@ -206,6 +208,7 @@ def test_llewellyn_s_limit_is_where_a_lossless_environment_makes_the_port_active
         assert bool((impedance.real > -1e-3 * spare * 1e-3).all()) == (factor < 1.0)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("name", CRITERIA)
 @pytest.mark.parametrize("plant", PLANTS.values(), ids=PLANTS)
 def test_limits_scale_with_torque_and_with_time(name: str, plant: WorkingEdge) -> None:

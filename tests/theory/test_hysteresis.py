@@ -46,6 +46,7 @@ def test_the_textbooks_describing_function_is_the_fundamental_of_two_switches_a_
     assert fundamental == pytest.approx(4.0 / (2.0 * pi) * (sqrt(1 - 0.35**2) - 0.35j), abs=2e-5)
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("relay", CASES)
 def test_all_harmonics_are_a_cycle_by_a_matrix_exponential(relay: Relay) -> None:
     """The state half a turn later is the opposite one, and the knob passes the switch the delay before the torque."""
@@ -67,6 +68,7 @@ def test_all_harmonics_are_a_cycle_by_a_matrix_exponential(relay: Relay) -> None
     assert cycle.amplitude == pytest.approx(np.abs(wave).max(), rel=1e-5)
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("relay", CASES)
 def test_many_harmonics_come_near_to_all(relay: Relay) -> None:
     many, every = only(describing_function(relay, 200)), only(tsypkin(relay))

@@ -52,6 +52,7 @@ def orbits(
     return SweepStage(loaded(text), jobs=1).run().orbits.to_pylist()
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("encoder", ["{}", "{rounding: nearest, offset_counts: 0.2}", "{rounding: truncate}"])
 @pytest.mark.parametrize("name", NOTHING)
 def test_a_controller_that_changes_nothing_gives_the_plain_walls_orbits(name: str, encoder: str) -> None:

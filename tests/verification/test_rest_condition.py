@@ -240,6 +240,7 @@ ENCODERS: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("bias", BIASES)
 @pytest.mark.parametrize("name", ENCODERS)
 def test_rest_with_other_encoders_balances_the_torques(engine: Engine, bias: str, name: str) -> None:

@@ -90,12 +90,14 @@ def compare(
     assert len(seen) > 1, "the trial never changed level: nothing was tested"
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize(("bias", "rate_hz", "counts", "phase"), LONG)
 def test_theta_over_10000_samples(bias: str, rate_hz: float, counts: int, phase: int) -> None:
     """Ten cells of the grid, five for each reading of the bias, stiffness 0.04."""
     compare(hand_on_knob(bias), rate_hz, counts, phase, 10_000)
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize("counts", [256, 4096])
 @pytest.mark.parametrize(
     "scene", SHORT, ids=lambda s: f"{'{rounding}-{offset_counts}'.format(**s['encoder'])}-{s['actuator']}"

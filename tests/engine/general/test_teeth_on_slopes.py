@@ -134,6 +134,7 @@ def test_a_motion_and_its_chart_go_from_event_to_event(name: str) -> None:
     assert min(kinds.values()) >= 2
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", SCENES)
 def test_a_motion_is_that_of_an_integrator(name: str) -> None:
     """To 1e-8: an event is found to 1e-12, and the shortest step beyond it has no larger error."""

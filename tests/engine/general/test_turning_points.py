@@ -79,6 +79,7 @@ def test_the_count_goes_by_the_motors_turning_points(name: str) -> None:
     assert turns >= 4
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("name", SCENES)
 def test_beside_cogging_the_count_goes_by_turning_points_from_corner_to_corner(name: str) -> None:
     """A corner is no turning point, nor is the end of being held."""

@@ -52,6 +52,7 @@ def test_the_jump_of_a_velocity_is_that_of_the_readings(rate: float, low_pass: f
     assert compute("velocity_jump", NOTHING, given) == pytest.approx(largest, rel=1e-12)
 
 
+@pytest.mark.one_in(2)
 @pytest.mark.parametrize(("rate", "bits"), [(1000.0, 16), (10000.0, 16), (25000.0, 16), (25000.0, 24)])
 def test_no_rounded_filter_is_farther_off_and_some_come_near(rate: float, bits: int) -> None:
     """Filters of SciPy with cut-offs about 100 Hz, rounded: the bound of each holds, and is three quarters reached."""

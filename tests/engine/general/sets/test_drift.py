@@ -128,6 +128,7 @@ def test_an_interval_under_a_law_adds_no_more_than_its_bound(kind: str) -> None:
     assert drift.bottom == -inf
 
 
+@pytest.mark.one_in(5)
 @pytest.mark.parametrize(("kind", "rate"), CASES)
 def test_differences_move_as_the_plant_does(kind: str, rate: float) -> None:
     """Powers of Phi, and differences moved by any number of samples, against 60 digits; they never grow."""
