@@ -169,7 +169,7 @@ def test_what_rings_too_often_to_be_followed_is_told(part: dict) -> None:
         SweepStage(validate(source), jobs=1).run()
 
 
-@pytest.mark.one_in(6)
+@pytest.mark.one_in(12)
 @pytest.mark.parametrize("name", SCENES)
 def test_ends_in_a_stated_outcome(name: str) -> None:
     values, allowed = SCENES[name]

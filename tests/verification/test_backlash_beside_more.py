@@ -156,7 +156,7 @@ RUBBED = [
 PARTED = [True, False, True, True, True, False]
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize(("one", "parts"), list(zip(RUBBED, PARTED, strict=True)))
 def test_trials_beside_friction(one: Drawn, parts: bool) -> None:
     """The motor turns round or sticks in all of them, and teeth part in most."""
@@ -177,7 +177,7 @@ HYSTERESIS = [
 ]
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize("one", HYSTERESIS, ids=lambda one: str(HYSTERESIS.index(one)))
 def test_trials_beside_hysteresis(one: Drawn) -> None:
     """The count goes by the motor's turning points, on any flank and on none."""
@@ -230,7 +230,7 @@ PULSED = [
 ]
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize("one", PULSED, ids=lambda one: str(PULSED.index(one)))
 def test_a_pulse_pushes_the_knob_behind_the_mesh(one: Drawn) -> None:
     """The motor follows when the teeth meet."""

@@ -63,7 +63,8 @@ def test_compiled_to_the_last_bit(one: Drawn) -> None:
         assert np.array_equal(plain, fast)
 
 
-@pytest.mark.one_in(4)
+@pytest.mark.long
+@pytest.mark.drawn(4)
 @pytest.mark.parametrize("controller", ["bounded lag", "damping, sensor", "impulse, short", "speed, tracked"])
 def test_trials_beside_a_controller(controller: str) -> None:
     errors = [

@@ -101,7 +101,7 @@ BESIDE = {
 }
 
 
-@pytest.mark.one_in(7)
+@pytest.mark.one_in(14)
 @pytest.mark.parametrize("jitter", [0.05, 0.33, 0.9])
 @pytest.mark.parametrize("name", BESIDE)
 def test_rest_whatever_the_intervals_are(name: str, jitter: float) -> None:

@@ -38,7 +38,7 @@ def test_controllers_that_read_an_angle() -> None:
     assert len(CONTROLLERS) == 21
 
 
-@pytest.mark.one_in(10)
+@pytest.mark.one_in(20)
 @pytest.mark.parametrize("controller", CONTROLLERS)
 def test_trials_and_what_they_come_to(controller: str) -> None:
     found = [follow(controller, name) for name in SCENES]

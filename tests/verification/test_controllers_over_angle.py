@@ -50,14 +50,14 @@ def compare(drawn: list[Drawn], *, in_code: bool) -> tuple[int, int]:
     return trials, cycles
 
 
-@pytest.mark.one_in(16)
+@pytest.mark.one_in(32)
 @pytest.mark.parametrize("controller", ORDER)
 def test_beside_a_wall(controller: str) -> None:
     trials, _ = compare(shaped(controller, 3, seed=5), in_code=False)
     assert trials, "rounding could decide in all scenes: nothing was tested"
 
 
-@pytest.mark.one_in(3)
+@pytest.mark.one_in(6)
 @pytest.mark.parametrize("controller", ON_ITS_OWN)
 def test_without_a_wall(controller: str) -> None:
     trials, _ = compare(shaped(controller, 3, seed=6, walled=False), in_code=False)

@@ -106,7 +106,7 @@ ORBITS = [
 ]  # fmt: skip
 
 
-@pytest.mark.one_in(6)
+@pytest.mark.one_in(12)
 @pytest.mark.parametrize(("one", "samples"), ORBITS, ids=lambda one: one.name if isinstance(one, Case) else "")
 def test_a_proven_cycle_is_what_the_model_settles_to(one: Case, samples: int) -> None:
     plain = SceneSpec.model_validate(one.scene).plain()
@@ -162,7 +162,7 @@ def check_controlled(drawn: list[Drawn]) -> tuple[int, int]:
     return trials, cycles
 
 
-@pytest.mark.one_in(18)
+@pytest.mark.one_in(36)
 @pytest.mark.parametrize("controller", ORDER)
 def test_beside_a_controller(controller: str) -> None:
     trials, _ = check_controlled(with_hysteresis(controller, 3, seed=31))

@@ -38,7 +38,7 @@ def end_of(one: GeneralKnob, phase: float) -> list[float]:
     return z
 
 
-@pytest.mark.one_in(2)
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize(
     "actuator",
     [
