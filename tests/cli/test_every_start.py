@@ -129,9 +129,9 @@ FINGER = (
 
 
 def test_what_cannot_be_cut_is_sampled_and_said(hknob: Run, write: Callable[[str], Path]) -> None:
-    """With friction and hysteresis beside a finger, 64 phases; the list is not called complete."""
-    friction, behind = "scene.knob.coulomb_torque=1e-4", "scene.encoder={hysteresis_counts: 0.5}"
-    done = hknob("sweep", write(PHASES), "--set", friction, "--set", behind, "--set", FINGER, "--out", "out")
+    """With friction and cogging beside a finger, 64 phases; the list is not called complete."""
+    friction, cogs = "scene.knob.coulomb_torque=1e-4", "scene.cogging={torque: 1e-4, per_revolution: 84}"
+    done = hknob("sweep", write(PHASES), "--set", friction, "--set", cogs, "--set", FINGER, "--out", "out")
     assert done.returncode == 0, done.stderr
     words = " ".join(done.stdout.split())
     assert "The list is not proven to be complete." in words
