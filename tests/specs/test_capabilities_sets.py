@@ -49,14 +49,25 @@ SOFT_TEETH = {
 
 @pytest.mark.long
 @pytest.mark.drawn(3)
-@pytest.mark.parametrize("beside", ["friction", "controller", "several_readings", "hysteresis", "backlash"])
+@pytest.mark.parametrize(
+    "beside",
+    [
+        ("friction",),
+        ("controller",),
+        ("several_readings",),
+        ("hysteresis",),
+        ("backlash",),
+        ("several_readings", "hysteresis"),
+    ],
+)
 @pytest.mark.parametrize("part", ["finger", "coil", "mesh"])
-def test_every_phase_beside_friction_and_more(part: str, beside: str) -> None:
+def test_every_phase_beside_friction_and_more(part: str, beside: tuple[str, ...]) -> None:
     """All of them are proven to end in what is listed."""
     source = Source("spec.yaml")
     rubs = {"scene": {"gear": SOFT_TEETH}} if part == "mesh" else CHANGES["friction"]
-    more = {} if beside == "friction" else CHANGES[beside]
-    change = merged(merged(CHANGES[part], rubs), more)
+    change = merged(CHANGES[part], rubs)
+    for other in beside:
+        change = merged(change, {} if other == "friction" else CHANGES[other])
     source.value = {**merged(deepcopy(BASE), change), "starts": KINDS["one"]}
     plan = validate(source)
     assert isinstance(plan, SweepPlan)

@@ -15,10 +15,19 @@ from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.advance import next_mode
 from hknob_cli.engine.general.body import acceleration, copy_to
 from hknob_cli.engine.general.controller import read, read_after, told
-from hknob_cli.engine.general.sets.friction_arc import COUNT, COUNT_TO, WHOLE, apart_of, beside_of, stays_over
+from hknob_cli.engine.general.sets.friction_arc import (
+    COUNT,
+    COUNT_TO,
+    ERROR,
+    WHOLE,
+    apart_of,
+    beside_of,
+    stays_over,
+)
 from hknob_cli.engine.general.slide_many import slide_many
 from hknob_cli.engine.general.slide_two import way
 
+ROUNDED = 1.0 + 1e-9  # times how far states are from a line: what moving it over a hold rounds
 PARTS_TRIED = 3  # of a slide, of which all but the last 1/64, 1/16 or 1/4 is shown to be fast
 
 
@@ -113,11 +122,12 @@ def count_turns(turns, room, u, span, alike, before, body, watch):
     if body.friction > 0.0 and alike and (begun == 0.0 or begun * room.z[1] > 0.0):
         return  # all stand, or all slide, one way
     if body.friction > 0.0 and alike:
-        at = room.stop[0]
-        pass_window(at, at, (at, at), room.stop[1], room.arc, watch)
+        at, far = room.stop[0], room.stop[1] * ROUNDED + body.reach * room.arc[ERROR]
+        pass_window(at, at, (at, at), far, room.arc, watch)
         return
     apart = max(before[0], apart_of(room, body))
-    far = min(body.reach * apart, before[1] + apart * span) + 8.0 * EPSILON * (abs(z[0]) + abs(room.z[0]))
+    far = min(body.reach * apart, before[1] * ROUNDED + apart * span + body.reach * room.arc[ERROR])
+    far += 8.0 * EPSILON * (abs(z[0]) + abs(room.z[0]))
     left = floor(span * WHOLE) / WHOLE
     mode = way(z[1], acceleration(z, u, body), body.friction)
     while left > 0.0 and not body.halt[0] > 0.0:

@@ -121,8 +121,7 @@ def step_arc(room, before, narrow, cell):
             low, high = look_up(room, look + 1, cell)
             if low < high:
                 return high, look + 1
-            ring[first_look(law) + look] = low
-            begin_counts(turns, low, room.arc)
+            ring[first_look(law) + look] = low  # what a law remembers is the count at the last turning point
     return 0.0, 0
 
 
@@ -247,14 +246,14 @@ def follow_friction_arcs(start, first, samples, stack, scope, room, cell):
                 begun += arcs - before
                 continue
             counted = max(room.own[TO] - room.own[FROM], LEAST)
-            if fate == ENDED:
+            halted, more = body.halt[0] > 0.0, -1  # where all stand still nothing has ended
+            if fate == ENDED and not halted:
                 known.table[row * FIELDS + 6] += counted
                 shortest = min(shortest, counted)
                 ended += 1
                 continue
             if arcs < 0 or fate == PARTED:
                 fate, row, arcs = AGAIN, NO_ROOM, before - 1
-            halted, more = body.halt[0] > 0.0, -1
             if fate == AGAIN or counted > UNPROVEN or halted:
                 more = begin_again(stack, waiting, room.own, 0, length)
             if more < 0:

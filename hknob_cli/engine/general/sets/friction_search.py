@@ -15,6 +15,7 @@ from hknob_cli.engine.general.sets.drift import Drift
 from hknob_cli.engine.general.sets.ends import Known, ends_of, why_not
 from hknob_cli.engine.general.sets.friction_phases import FIRST, HALVINGS
 from hknob_cli.engine.general.sets.friction_room import can_rub, friction_drift, make_friction_room, plane_of
+from hknob_cli.engine.general.sets.friction_set import LEAST_WEIGHT
 from hknob_cli.engine.general.sets.scope import Scope, make_scope
 from hknob_cli.engine.general.sets.search import GeneralSetEngine
 from hknob_cli.engine.outcome import Outcome, Reason
@@ -114,12 +115,12 @@ class FrictionSetEngine(GeneralSetEngine):
         found, why = ends_of(known, body.order, delay_line), why_not(known)
         if self.by_area(body):  # a piece holds more than its interval: its middle may end where no phase does
             found = [one for one in found if one.trials > 0.0]
-        if left > 0.0:
-            given_up = self._given_up(left, seconds, over=taken > self.longest_phases(body))
+        if waiting:  # also what lies beyond an edge by what rounding may move it, which counts no phases
+            given_up = self._given_up(max(left, LEAST_WEIGHT), seconds, over=taken > self.longest_phases(body))
             found.append(given_up)
             why = given_up.reason
         if undecided > 0.0:
             found.append(whole(Outcome.UNDECIDED, why_not(known), undecided))
-        complete = undecided + left == 0.0
+        complete = undecided == 0.0 and not waiting
         why = Reason.NONE if complete else why
         return Search(ranked(found), taken, complete=complete, pieces=pieces, narrowest=narrowest, why=why)

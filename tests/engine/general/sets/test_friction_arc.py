@@ -14,10 +14,12 @@ from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.sets.friction_arc import (
     ERROR,
+    FROM,
     HIGH,
     LOW,
     STANDS,
     STATE,
+    TO,
     ball_of,
     begin_arc,
     begin_ball,
@@ -238,6 +240,22 @@ def test_a_cell_that_is_too_much_work_is_left_to_trials(monkeypatch: pytest.Monk
     monkeypatch.setattr(FrictionArcEngine, "longest_phases", lambda *_: 10)
     monkeypatch.setattr("hknob_cli.engine.general.sets.friction_search.SLICE_INTERPRETED", 1)
     assert phases_of(rubbing("finger", 1e-4, 2154.0)) is None
+
+
+class Waits(FrictionArcEngine):
+    """After all the work of a cell an interval waits that counts no phases: what an edge may hide of its neighbour."""
+
+    def phase_follower(self, body: Any, wall: Any, _start: Any, delay_line: int, _scope: Any) -> Any:
+        def follow(_waiting: int, _samples: int, stack: Any) -> tuple[int, int, float, float, int]:
+            stack[FROM] = stack[TO]
+            return 1, 15, 0.0, 1.0, self.longest_phases(body) + 1
+
+        return follow, self.ready(body, wall, delay_line).known
+
+
+def test_nothing_is_complete_while_an_interval_waits() -> None:
+    """Not even one that counts no phases."""
+    assert all_phases(Waits(), rubbing("finger", 5.6e-4, 464.2)) is None
 
 
 def test_what_a_stop_adds_is_of_the_second_order() -> None:
