@@ -28,7 +28,7 @@ EXCEPTIONS = {
             "it is followed as a controller",
         )
         for part in ("hysteresis", "backlash")
-        for column in ("general", "general_sets", "friction_arcs")
+        for column in ("general", "general_sets")
     },
     **{
         (part, other, "friction_sets"): Lower(

@@ -89,6 +89,18 @@ CASES: dict[str, tuple[str | None, dict[str, Any], float, int]] = {
         256,
     ),
     "bounded lag, finger, hysteresis": ("bounded lag", rub(2e-4, hand=TWO_PARTS, encoder=TURNS_BACK), 464.0, 256),
+    "finger, virtual damping, hysteresis": (
+        None,
+        rub(2e-4, hand=TWO_PARTS, wall={"damping": 2e-5}, encoder=TURNS_BACK),
+        464.0,
+        256,
+    ),
+    "bounded lag, finger, virtual damping, hysteresis": (
+        "bounded lag",
+        rub(2e-4, hand=TWO_PARTS, wall={"damping": 2e-5}, encoder=TURNS_BACK),
+        464.0,
+        256,
+    ),
     "impulse, coil, hysteresis": ("impulse, short", rub(2e-4, encoder=TURNS_BACK, **COIL), 464.0, 512),
 }
 
@@ -145,7 +157,8 @@ def follow(parts: dict[str, Any], rate: float, counts: int) -> tuple[Search | No
     plain, functions = reduced(SceneSpec.model_validate(parts).plain()), compiled("friction arcs")
     cell: dict[str, Any] = {"sample_rate_hz": rate, "counts_per_rev": counts}
     law = None
-    if "controller" in parts:
+    two_counts = "encoder" in parts and "damping" in parts["wall"]  # to remember: a law does
+    if "controller" in parts or two_counts:
         made = make_law(plain, **cell)
         engine, knob, law = LawEngine(made.law, functions), made.knob, LawEngine(made.law).law
         arcs = FrictionArcEngine(engine.law, functions)

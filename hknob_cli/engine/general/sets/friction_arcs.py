@@ -44,6 +44,7 @@ from hknob_cli.engine.general.sets.friction_arc_parts import (
 )
 from hknob_cli.engine.general.sets.friction_arc_rest import SEVERAL, rest_of_arc
 from hknob_cli.engine.general.sets.friction_phases import NARROWEST, UNPROVEN
+from hknob_cli.engine.general.sets.friction_set import LEAST_WEIGHT
 from hknob_cli.engine.general.sets.known import FULL, NO_ROOM, blame, captor, fate_of, is_proven, seek
 from hknob_cli.engine.general.sets.memory import begin_at, command_all, first_look, watched
 from hknob_cli.engine.general.sets.readings import remembered, steps_deeper
@@ -58,7 +59,6 @@ ENDED, PARTED, AGAIN, LOST = range(4)  # what becomes of an arc
 SINCE = 2.0  # all states stand, and did at the sample before; 1: since then
 TORN, BEGIN_ANEW = -1, -2  # instead of the number of a reading: states do not all do, or count, the same
 LONG = 2.0**-12  # counts per sample: a shorter arc is not halved for that
-LEAST = 1e-300  # phases: a part that is followed has a measure
 
 
 def is_line(length, beside):
@@ -245,7 +245,7 @@ def follow_friction_arcs(start, first, samples, stack, scope, room, cell):
             if fate == PARTED and begun < MOST:
                 begun += arcs - before
                 continue
-            counted = max(room.own[TO] - room.own[FROM], LEAST)
+            counted = max(room.own[TO] - room.own[FROM], LEAST_WEIGHT)
             halted, more = body.halt[0] > 0.0, -1  # where all stand still nothing has ended
             if fate == ENDED and not halted:
                 known.table[row * FIELDS + 6] += counted

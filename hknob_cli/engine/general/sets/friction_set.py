@@ -21,7 +21,7 @@ SETS_LOOKED = 2048  # the same where it is cut within the interval, too
 TORQUE, SPAN, S, G, F, LOOK = range(6)
 LEG = 6
 LEAST_PART = 1e-30  # of an area: an end that any state reaches has a share
-LEAST_WEIGHT = 1e-300  # of the part of a part: products of such shares would round to none
+LEAST_WEIGHT = 1e-300  # of what is followed, or waits: products of such shares would round to none
 
 
 def part_weight(weight, whole, corners, count, body):
