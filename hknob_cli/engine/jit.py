@@ -101,7 +101,10 @@ GENERAL_SETS = (
 FRICTION_ARCS = (
     *LAWS,
     *(f"general.sets.{name}" for name in ("cell", "readings", "memory", "turns", "known", "ball")),
-    *(f"general.sets.friction_arc{end}" for end in ("", "_counts", "_rest", "_parts", "s")),
+    "general.sets.friction_arc",
+    "general.sets.cog_stop",
+    "general.sets.cog_arc",
+    *(f"general.sets.friction_arc{end}" for end in ("_counts", "_rest", "_parts", "s")),
 )
 FRICTION_SETS = (
     *GENERAL_SETS,

@@ -201,7 +201,7 @@ _TABLE = {
     "gear":            "PEPPP PPPPPPPP -EE~ ~P~--",
     "mesh":            "--P-P ---P-PP- -EE~ -----",
     "play":            "--E-E -------- -EE~ -----",
-    "cogging":         "--P-P -------- -EE~ -----",
+    "cogging":         "--P-P ------P- -EE~ -----",
     "squeeze":         "PEPPP PPPPPPPP PEE~ ~P~--",
     "undamped":        "EEEEE --E----E EEE~ ~E~E-",
     "unheld":          "EEEPE --E----E EEE~ ~E~E-",
@@ -254,7 +254,7 @@ _KEYS = {name: part.path for name, part in PARTS.items()}
 _REFUSED = {column: frozenset(part for part in PARTS if VERDICTS[part, column] == REFUSED) for column in COLUMNS}
 _PAIRS = {
     column: [
-        ({one, other}, lower.unless)
+        (frozenset({one, other, *lower.beside}), lower.unless)
         for (one, other, at), lower in EXCEPTIONS.items()
         if (at, lower.verdict) == (column, REFUSED)
     ]
@@ -267,11 +267,15 @@ def parts_of(scene: Scene) -> frozenset[str]:
     return parts_there(scene, _KEYS)
 
 
+def hindrances(column: str, parts: Set[str]) -> list[frozenset[str]]:
+    """What of these parts an engine, law or command refuses: each by itself, and those that it refuses together."""
+    alone = [frozenset({part}) for part in _REFUSED[column] & parts]
+    return alone + [pair for pair, unless in _PAIRS[column] if pair <= parts and parts.isdisjoint(unless)]
+
+
 def takes(column: str, parts: Set[str]) -> bool:
     """Whether an engine, law or command takes a scene with these parts."""
-    if not _REFUSED[column].isdisjoint(parts):
-        return False
-    return not any(pair.issubset(parts) and parts.isdisjoint(unless) for pair, unless in _PAIRS[column])
+    return not hindrances(column, parts)
 
 
 def deciding(*columns: str) -> frozenset[str]:

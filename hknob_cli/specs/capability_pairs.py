@@ -10,7 +10,7 @@ LOWEST_FIRST = REFUSED + ESTIMATED + EXACT + PROVEN
 class Lower(NamedTuple):
     """The verdict of a pair of parts in a column, and why.
 
-    ``unless`` a scene has one of these parts, too; and only ``beside`` all of these, where it is not of a refusal.
+    ``unless`` a scene has one of these parts, too; and only ``beside`` all of these.
     """
 
     verdict: str
@@ -37,6 +37,10 @@ EXCEPTIONS = {
         for part in ("hysteresis", "backlash")
         for other, *unless in (("controller", "several_readings"), ("virtual_damping",), ("lag",), ("current_loop",))
     },
+    **{
+        ("cogging", part, "friction_arcs"): Lower(REFUSED, "arcs have no turning points on slopes of cogging")
+        for part in ("hysteresis", "backlash")
+    },
     ("cogging", "bare", "general"): Lower(EXACT, "a cycle that passes a corner is proven by counts"),
     ("cogging", "speed_sensor", "laws"): Lower(EXACT, "the torque follows a motion that is not affine"),
     **{
@@ -45,6 +49,12 @@ EXCEPTIONS = {
         )
         for part in ("finger", "lag", "coil", "current_loop", "mesh")
         for column in ("general", "laws")
+    },
+    **{
+        (part, "cogging", "friction_arcs"): Lower(
+            REFUSED, "friction lets two motions over corners go at other times there", beside=("friction",)
+        )
+        for part in ("finger", "lag", "coil", "current_loop", "mesh")
     },
     ("friction", "bare", "general"): Lower(EXACT, "the period map is not shown to contract"),
     ("friction", "speed_sensor", "laws"): Lower(EXACT, "the torque follows the motion, which is not affine"),

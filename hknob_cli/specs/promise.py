@@ -5,10 +5,9 @@ from collections.abc import Iterator
 from hknob_cli.specs.capabilities import (
     PARTS,
     PROVEN,
-    REFUSED,
     STARTS,
-    VERDICTS,
     engine_of,
+    hindrances,
     parts_of,
     verdict_of,
 )
@@ -44,11 +43,13 @@ def _of_scene(scene: Scene, starts: Starts) -> Iterator[str]:
 
 
 def _hindrance(parts: frozenset[str], kind: str) -> str:
-    """The parts for which no sets of starts are followed: those that engines refuse which refuse the fewest."""
+    """The parts for which no sets of starts are followed: those that engines refuse which refuse the least."""
     others = ("phases", "ranges", "anywhere", "general_sets") if "controller" in parts else ()
     engines = [one for one in STARTS[kind] if one in SETS and one not in others]
-    refused = [[part for part in PARTS if part in parts and VERDICTS[part, one] == REFUSED] for one in engines]
+    refused = [hindrances(one, parts) for one in engines]
     least = min(map(len, refused))
-    fewest = [part for part in PARTS if any(part in one for one in refused if len(one) == least)]
+    there = {part for one in refused if len(one) == least for hindrance in one for part in hindrance}
+    fewest = [part for part in PARTS if part in there]
     beside = "a controller beside " if "controller" in parts and not set(fewest) & OF_CONTROLLERS else ""
-    return beside + " and ".join(PARTS[part].title for part in fewest)
+    *most, last = (PARTS[part].title for part in fewest)
+    return beside + (f"{', '.join(most)} and {last}" if most else last)

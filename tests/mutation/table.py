@@ -191,6 +191,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
         f"general/sets/{name}.py": (f"{GENERAL_SETS}test_friction_arc.py",)
         for name in ("friction_arc", "friction_arcs")
     },
+    **{f"general/sets/{name}.py": (f"{GENERAL_SETS}test_cog_arc.py",) for name in ("cog_arc", "cog_stop")},
     "general/sets/friction_arc_counts.py": (f"{GENERAL_SETS}test_friction_arc_counts.py",),
     "general/sets/friction_phases.py": (
         f"{PROOF}test_friction_phase_margins.py",

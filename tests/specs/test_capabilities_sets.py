@@ -105,13 +105,18 @@ def test_what_will_not_be_proven_is_told(part: str, starts: str, said: list[str]
     assert not_proven(plan) == said
 
 
-@pytest.mark.parametrize(("part", "what"), [("cogging", "cogging torque")])
-def test_what_hinders_sets_with_a_controller_is_told(part: str, what: str) -> None:
+@pytest.mark.parametrize(
+    ("part", "what", "starts", "start"),
+    [
+        ("play", "backlash of a gear", "one", "some phases of the start will be followed, not all"),
+        ("cogging", "cogging torque", "ranges", "some starts will be followed, not all"),
+    ],
+)
+def test_what_hinders_sets_with_a_controller_is_told(part: str, what: str, starts: str, start: str) -> None:
     source = Source("spec.yaml")
-    source.value = {**merged(deepcopy(BASE), merged(CHANGES[part], CHANGES["controller"])), "starts": KINDS["one"]}
+    source.value = {**merged(deepcopy(BASE), merged(CHANGES[part], CHANGES["controller"])), "starts": KINDS[starts]}
     plan = validate(source)
     assert isinstance(plan, SweepPlan)
-    start = "some phases of the start will be followed, not all"
     assert not_proven(plan)[0] == f"{start}: sets of states are not followed with a controller beside {what}"
 
 

@@ -250,9 +250,12 @@ def test_the_longest_key_that_is_said_whole() -> None:
     assert dotted(("a" * 60, "b" * 61)) == f"{'a' * 60}.{'b' * 57}..."
 
 
-@pytest.mark.parametrize(("part", "what"), [("play", "backlash of a gear"), ("cogging", "cogging torque")])
-def test_a_controller_is_named_beside_what_hinders_it(part: str, what: str) -> None:
-    for kind in ("one", "ranges"):
+@pytest.mark.parametrize(
+    ("part", "what", "kinds"),
+    [("play", "backlash of a gear", ("one", "ranges")), ("cogging", "cogging torque", ("ranges",))],
+)
+def test_a_controller_is_named_beside_what_hinders_it(part: str, what: str, kinds: tuple[str, ...]) -> None:
+    for kind in kinds:
         assert _hindrance(frozenset({"controller", part}), kind) == f"a controller beside {what}"
 
 
@@ -271,8 +274,23 @@ def test_a_key_says_what_it_is_in_the_schema() -> None:
 
 
 def test_a_controller_of_which_a_part_hinders_is_not_named_twice() -> None:
-    said = _hindrance(frozenset({"controller", "speed_sensor", "cogging"}), "one")
+    said = _hindrance(frozenset({"controller", "speed_sensor", "cogging"}), "ranges")
     assert said == "a controller that reads a velocity sensor and cogging torque"
+
+
+@pytest.mark.parametrize(
+    ("parts", "said"),
+    [
+        ({"cogging", "hysteresis"}, "hysteresis of the encoder and cogging torque"),
+        ({"cogging", "hysteresis", "controller"}, "a controller beside hysteresis of the encoder and cogging torque"),
+        (
+            {"cogging", "finger", "friction"},
+            "Coulomb friction, a finger apart from the knob and cogging torque",
+        ),
+    ],
+)
+def test_parts_that_hinder_together_are_named_together(parts: set[str], said: str) -> None:
+    assert _hindrance(frozenset(parts), "one") == said
 
 
 def test_each_of_two_parts_that_hinder_one_engine_is_named() -> None:

@@ -1,4 +1,4 @@
-"""All clock phases of one start beside friction and a finger, a winding or a lag: against phases by themselves.
+"""All clock phases of one start beside friction and a finger, a winding, a lag or cogging: against phases themselves.
 
 The plants are matrix exponentials in SI (`rubbing_starts`); the controllers are those of `tests.controllers.laws`,
 written once more from their sources. Neither shares code with the package.
@@ -30,6 +30,8 @@ from .test_law_states import COIL, PUSH, orbit_states, rates
 ANGLE = 0.02
 PHASES = 48
 LATE = {"delay_samples": 1.0}
+COGS = {"torque": 3e-4, "per_revolution": 84, "centre": 0.03}
+WEAK, STRONG = COGS | {"torque": 1e-4}, COGS | {"torque": 1e-3}
 TURNS_BACK = {"hysteresis_counts": 0.5}
 
 
@@ -101,8 +103,39 @@ CASES: dict[str, tuple[str | None, dict[str, Any], float, int]] = {
         464.0,
         256,
     ),
+    "cogging": (None, rub(0.0, cogging=COGS), 1000.0, 512),
+    "cogging, friction": (None, rub(1e-4, cogging=COGS), 1000.0, 512),
+    "cogging, much friction, that buzzes": (None, rub(5.6e-4, cogging=WEAK), 464.0, 256),
+    "cogging that holds": (None, rub(5.6e-4, cogging=STRONG), 1000.0, 1024),
+    "cogging, friction, rests": (None, rub(1e-4, cogging=COGS), 464.0, 2048),
+    "cogging, finger, late": (None, rub(0.0, hand=TWO_PARTS, cogging=COGS, actuator=LATE), 464.0, 256),
+    "cogging, lag": (None, rub(0.0, cogging=COGS, actuator={"time_constant": 2e-4}), 1000.0, 512),
+    "cogging, coil": (None, rub(0.0, cogging=COGS, **COIL), 1000.0, 512),
+    "cogging, friction, detents, limit": (
+        None,
+        rub(
+            5e-5,
+            cogging=COGS,
+            actuator={"torque_limit": 4e-3, "torque_step": 1e-4},
+            detents={"per_revolution": 24, "torque": 3e-3},
+        ),
+        464.0,
+        1024,
+    ),
+    "cogging, friction, virtual damping": (None, rub(1e-4, cogging=COGS, wall={"damping": 2e-5}), 464.0, 512),
+    "cogging, friction, bounded lag": ("bounded lag", rub(1e-4, cogging=COGS), 1000.0, 512),
+    "cogging, friction, impulse": ("impulse, short", rub(1e-4, cogging=COGS), 1000.0, 512),
+    "cogging, tracked": ("speed, tracked", rub(0.0, cogging=COGS), 1000.0, 512),
     "impulse, coil, hysteresis": ("impulse, short", rub(2e-4, encoder=TURNS_BACK, **COIL), 464.0, 512),
 }
+
+
+def triangle(cogging: dict[str, float] | None, inertia: float) -> tuple[float, float, float]:
+    """Spring, way from corner to corner, and a place of rest of a triangle wave with ``per_revolution`` periods."""
+    if not cogging:
+        return 0.0, np.inf, 0.0
+    per = cogging["per_revolution"]
+    return 2.0 * cogging["torque"] * per / np.pi / inertia, np.pi / per, cogging["centre"]
 
 
 def settle(parts: dict[str, Any], rate: float, counts: int, samples: int) -> NDArray[np.float64]:
@@ -121,7 +154,7 @@ def settle(parts: dict[str, Any], rate: float, counts: int, samples: int) -> NDA
         if half > 0.0:
             count[which] = read_after(count[which], theta)
 
-    body = Rubbing(a, parts["knob"]["coulomb_torque"] / inertia, stop)
+    body = Rubbing(a, parts["knob"]["coulomb_torque"] / inertia, stop, triangle(parts.get("cogging"), inertia))
     z = np.zeros((len(a), many))
     z[0], z[-1] = ANGLE, 1.0
     if "finger" in parts["hand"]:

@@ -14,6 +14,7 @@ from hknob_cli.engine.general.cogging import (
     hold_stiffness,
     middle_of,
     own_stiffness,
+    reach_on,
     room_on,
     slope_at,
 )
@@ -75,24 +76,36 @@ def stays_on_slope(z, gap, slack, body, orbit, away):
     return reach < gap and reach < room_on(rest, slope, body.cogs), far
 
 
-def settles_free(cogs, z, torque, shown, body, wall, orbit, away):
-    """Fate without friction of a trial under its `LastTorque`: ``(fate, margin)``; its rest is left in ``orbit``."""
-    u, wrong, left = torque
-    if cogs is None or not len(cogs):
-        return MOVING, 0.0
+def balance_on(cogs, z, torque, body, orbit):
+    """Leave in ``orbit`` where a knob that nothing rubs stands on the slope at ``z``: ``(whether it does, slack)``.
+
+    ``slack``: what roundings, and what of its `LastTorque` is not known, make of a distance from there.
+    """
+    u, wrong, _ = torque
     hold = hold_stiffness(cogs, z[0], body)
     if not hold > 0.0 or not is_carried(body):
-        return MOVING, 0.0
+        return False, 0.0
     middle, own = middle_of(slope_at(z[0], cogs), cogs), own_stiffness(body)
     rest = middle + (u - body.push - own * (middle + body.shift)) / hold
     size = abs(middle) + (abs(u) + body.push + own * (abs(middle) + abs(body.shift))) / hold
     size += abs(rest - middle) * cancelled(own, hold, cogs)
-    # Under a torque that is off by so much the knob swings about another rest, and comes as far beyond that.
-    slack = ROUNDINGS * EPSILON * (1.0 + abs(z[0]) + size) + 2.0 * wrong / hold
     put_at(rest, u, body, orbit)
+    # Under a torque that is off by so much the knob swings about another rest, and comes as far beyond that.
+    return True, ROUNDINGS * EPSILON * (1.0 + abs(z[0]) + size) + 2.0 * wrong / hold
+
+
+def settles_free(cogs, z, torque, shown, body, wall, orbit, away):
+    """Fate without friction of a trial under its `LastTorque`: ``(fate, margin)``; its rest is left in ``orbit``."""
+    if cogs is None or not len(cogs):
+        return MOVING, 0.0
+    stands, slack = balance_on(cogs, z, torque, body, orbit)
+    if not stands:
+        return MOVING, 0.0
+    rest = orbit[0]
     seen = rest if has_curve(wall.curve) else shown
     gap = edge_gap(rest, seen, seen, wall)
-    stays, far = stays_on_slope(z, gap, slack + left / hold**0.5, body, orbit, away)
+    pushed = torque.left * reach_on(cogs, rest, body)
+    stays, far = stays_on_slope(z, gap, slack + pushed, body, orbit, away)
     if stays:
         return (AT_REST if body.damped else RINGS), gap
     if abs(gap) <= slack and far < 1e-6 and body.play == 0.0:

@@ -125,6 +125,27 @@ def own_stiffness(body):
     return 1.0 / (body.reach * body.reach)
 
 
+def unit_reach(body):
+    """Position of a unit root of energy with the spring of a stable slope."""
+    return 1.0 / sqrt(own_stiffness(body) + body.cogs[SLOPE])
+
+
+def reach_of(cogs, body):
+    """As ``body.reach``, by `size_at`."""
+    if cogs is None or not len(cogs):
+        return body.reach
+    return unit_reach(body)
+
+
+def size_at(cogs, dz, at, body):
+    """As `body.norm_at`, with the spring of a stable slope; without cogging it is that."""
+    if cogs is None or not len(cogs):
+        return norm_at(dz, at, body)
+    late = abs(dz[at + body.order - 1]) / body.lag if body.lag > 0.0 else 0.0
+    root = norm_at(dz, at, body) - late
+    return sqrt(root * root + cogs[SLOPE] * dz[at] * dz[at]) + late
+
+
 def hold_stiffness(cogs, x, body):
     """Stiffness of all springs that hold the knob on the slope at ``x``; at most 0 where they do not.
 

@@ -45,7 +45,7 @@ moves by at most a quarter of its size until then; from there on it is one that 
 from math import exp, inf, sqrt
 
 from hknob_cli.engine.general.body import coil_at, norm, stiffness, turn_finger
-from hknob_cli.engine.general.cogging import LENGTH, ROOT, SLOPE, has_cogs, own_stiffness
+from hknob_cli.engine.general.cogging import LENGTH, ROOT, SLOPE, has_cogs, unit_reach
 from hknob_cli.engine.general.columns import (
     FASTEST,
     LEAST_TURN,
@@ -80,11 +80,6 @@ def goes_over(body):
     if not has_cogs(body.cogs) or body.play > 0.0:
         return False
     return body.friction == 0.0 or body.order == 2
-
-
-def unit_reach(body):
-    """Position of a size of 1, with the spring of a stable slope."""
-    return 1.0 / sqrt(own_stiffness(body) + body.cogs[SLOPE])
 
 
 def growth_rate(body):

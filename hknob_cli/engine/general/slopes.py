@@ -106,20 +106,21 @@ def over(pad, u, slope, mode, body):
     return corner_passed(body.cogs, x, v, slope)
 
 
-def roll(z, u, slope, mode, left, fresh, body, pad):
-    """Move ``z`` on one slope in one ``mode`` until either ends or ``left`` is over: ``(time, end)``.
+def roll_in_steps(z, u, slope, mode, left, fresh, body, pad):
+    """Move ``z`` on one slope in one ``mode`` until either ends or ``left`` is over: ``(time, end, steps)``.
 
     ``fresh``: whether it begins where another has ended: what is then too near to be told is taken after 2^-20 of a
     sample. An end is left past it, by the last bit of a sample period.
     """
     n = body.order
-    total, half = 0.0, 0
+    total, half, steps = 0.0, 0, 0
     left = floor(left * FINEST) / FINEST
     table = HALVES_HELD
     if mode != 0:
         table = COGGED_HALVES if is_stable(slope) else COGGED_HALVES + HALVINGS
     root = body.cogs[ROOT]
     while left > 0.0 and not body.halt[0] > 0.0:
+        steps += 1
         h = 0.5**half
         while h > left:
             half += 1
@@ -147,16 +148,22 @@ def roll(z, u, slope, mode, left, fresh, body, pad):
             cog_rate(z, u, slope, mode, body, pad)
             stretch(z, pad, table + HALVINGS - 1, body)
             accept(z, pad, n)
-            return total + 0.5 ** (HALVINGS - 1), ended
+            return total + 0.5 ** (HALVINGS - 1), ended, steps + HALVINGS
         accept(z, pad, n)
         total += h
         left -= h
         fresh = False
         if ended > 0:
-            return total, ended
+            return total, ended, steps
         if half > 0:
             half -= 1
-    return total, 0
+    return total, 0, steps
+
+
+def roll(z, u, slope, mode, left, fresh, body, pad):
+    """As `roll_in_steps`: ``(time, end)``."""
+    t, end, _ = roll_in_steps(z, u, slope, mode, left, fresh, body, pad)
+    return t, end
 
 
 def way_from(z, u, slope, body):

@@ -26,6 +26,7 @@ from hknob_cli.engine.general.body import (
     rate_of,
     stiffness,
 )
+from hknob_cli.engine.general.cogging import ROOT, cog_number, reach_of, size_at
 from hknob_cli.engine.general.columns import Columns, spread_many, turn_round
 from hknob_cli.engine.general.slide_many import (
     accept,
@@ -51,17 +52,17 @@ WIDE = 0.5  # part of a ball beside its columns above which they are begun anew
 
 
 def ball_of(room, body):
-    """Radius of the ball beside the line of the arc in ``room``, in `body.norm`."""
+    """Radius of the ball beside the line of the arc in ``room``, in `cogging.size_at`."""
     n, square = body.order, 0.0
     for at in range(n, len(room.columns) - len(room.columns) // n, n):
-        length = norm_at(room.columns, at, body)
+        length = size_at(body.cogs, room.columns, at, body)
         square += length * length
     return min(room.arc[BALL], sqrt(square) * (1.0 + 1e-12)) + room.arc[BESIDE]
 
 
 def apart_of(room, body):
-    """How far states of the arc in ``room`` may be from its computed centre, in `body.norm`."""
-    return norm_at(room.columns, 0, body) + ball_of(room, body) + room.arc[ERROR]
+    """How far states of the arc in ``room`` may be from its computed centre, in `cogging.size_at`."""
+    return size_at(body.cogs, room.columns, 0, body) + ball_of(room, body) + room.arc[ERROR]
 
 
 def beside_of(room, body):
@@ -69,8 +70,9 @@ def beside_of(room, body):
     n, square = body.order, 0.0
     for at in range(n, len(room.columns) - len(room.columns) // n, n):
         square += room.columns[at] * room.columns[at]
-    beside = min(body.reach * room.arc[BALL], sqrt(square) * (1.0 + 1e-12))
-    beside += body.reach * (room.arc[BESIDE] + room.arc[ERROR])
+    reach = reach_of(body.cogs, body)
+    beside = min(reach * room.arc[BALL], sqrt(square) * (1.0 + 1e-12))
+    beside += reach * (room.arc[BESIDE] + room.arc[ERROR])
     return beside + 8.0 * EPSILON * (abs(room.z[0]) + abs(room.columns[0]))
 
 
@@ -130,7 +132,7 @@ def stop_bound(rate, jump, bend, slope, apart, window, room, body):
     They stop within ``window`` of it. ``jump``: of the rate; ``bend``: bound on the rate of the rate; ``slope``: of the
     torque on a knob that then stands, below 0 where it turns.
     """
-    off = stiffness(body) * apart + bend * window
+    off = (stiffness(body) + cog_number(body.cogs, ROOT)) * apart + bend * window
     total = jump * (off * window / rate + 2.0 * window * window * room.fast[0])
     if slope >= 0.0:
         total += (off + slope * window) * window + window * apart * (2.0 * room.fast[2] + room.fast[1])

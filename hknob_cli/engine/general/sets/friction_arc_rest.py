@@ -1,8 +1,22 @@
 """Rest of an arc with friction: whether all of its states provably come to rest, and in which readings."""
 
+from math import inf
+
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.follow import REST_PROVEN
-from hknob_cli.engine.general.body import distance, stiffness
+from hknob_cli.engine.general.body import stiffness
+from hknob_cli.engine.general.cog_rest import zone_on
+from hknob_cli.engine.general.cogging import (
+    ROOT,
+    cog_number,
+    cog_room,
+    far_apart,
+    has_cogs,
+    hold_stiffness,
+    reach_of,
+    reach_on,
+    slope_of,
+)
 from hknob_cli.engine.general.controller import lower_edge, read, upper_edge
 from hknob_cli.engine.general.inner_region import ROUNDINGS, hold_zone, rest_at
 from hknob_cli.engine.general.sets.friction_arc import BEFORE, STANDS
@@ -12,6 +26,25 @@ from hknob_cli.engine.general.sets.turns import half_of, highest_at, lowest_at
 from hknob_cli.engine.general.standstill import stays_held
 
 UNKNOWN, SEVERAL = -1, -3  # instead of the row of a rest
+
+
+def zone_of(z, stands, u, wrong, level, body, wall):
+    """Stiffness of all springs on the knob, and where friction holds it: ``(stiffness, low, high, blur)``.
+
+    ``low`` above ``high`` where there are none. ``blur``: how far beyond it may do so within rounding. Beside cogging
+    the zone is that of the slope at ``z``, and nothing is known of places beyond; of an arc that ``stands`` it is told
+    elsewhere whether friction holds it.
+    """
+    if has_cogs(body.cogs):
+        if stands:
+            return 1.0, -inf, inf, 0.0
+        low, high = zone_on(body.cogs, z[0], u, wrong, body)
+        return hold_stiffness(body.cogs, z[0], body), low, high, inf
+    spring, low, high = hold_zone(u, level, body, wall)
+    if not spring > 0.0:
+        return 0.0, 1.0, 0.0, 0.0
+    low, high = low + wrong / spring, high - wrong / spring
+    return spring, low, high, 2.0 * body.friction / spring - (high - low)
 
 
 def rest_of_arc(room, reach, level, narrow, cell):
@@ -27,28 +60,27 @@ def rest_of_arc(room, reach, level, narrow, cell):
     still, u, wrong, left = settle_memory(known.law, z[0], level, before, ring, wall)
     if not still or (body.ratio > 0.0 and body.pad_damping + body.finger_damping == 0.0):
         return UNKNOWN
-    spring, low, high = hold_zone(u, level, body, wall)
-    if not spring > 0.0:
-        return UNKNOWN
-    low, high = low + wrong / spring, high - wrong / spring
+    stands = room.arc[STANDS] > 0.0 and left == 0.0
+    spring, low, high, blur = zone_of(z, stands, u, wrong, level, body, wall)
     if low > high:
         return UNKNOWN
-    blur = 2.0 * body.friction / spring - (high - low)
     rest = min(max(z[0], low), high)
     rest_at(rest, u, spring, away, body)
     for j in range(body.order):
         away[j] = z[j] - away[j]
-    far = (distance(away, body) + body.reach * (reach + left)) * (1.0 + 1e-9)
+    far = reach_of(body.cogs, body) * reach * (1.0 + 1e-9)
+    if not (stands and has_cogs(body.cogs)):
+        far = (far_apart(body.cogs, away, rest, body) + reach_on(body.cogs, rest, body) * (reach + left)) * (1.0 + 1e-9)
     far += ROUNDINGS * EPSILON * (1.0 + abs(rest) + abs(z[0]))
     watch = watched(known.law, wall)
     half = half_of(turns, False, watch)
     bottom = lowest_at(turns, level, level, half, drift.bottom, watch)
     top = highest_at(turns, level, level, half, watch)
-    if room.arc[STANDS] > 0.0 and left == 0.0:
-        other = wrong + stiffness(body) * reach
+    if stands:
+        other = wrong + (stiffness(body) + cog_number(body.cogs, ROOT)) * reach
         if not (stays_held(z, u - other, body) and stays_held(z, u + other, body)):
             return UNKNOWN
-    elif not far < min(rest - bottom, top - rest):
+    elif not far < min(rest - bottom, top - rest, cog_room(body.cogs, rest, slope_of(body.cogs, z[0]))):
         return UNKNOWN
     inside = 8.0 * EPSILON * (1.0 + abs(rest))
     if turns is not None:  # the count stays as it is

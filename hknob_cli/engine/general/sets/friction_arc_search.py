@@ -15,11 +15,12 @@ from hknob_cli.engine.general.body import (
     ENTRY,
     HALVES,
     HALVES_HELD,
+    HALVINGS,
     HELD,
     RATES,
     Body,
-    norm,
 )
+from hknob_cli.engine.general.cogging import COGGED, COGGED_HALVES, LENGTH, SLOPE, size_at
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.laws.law import Law
 from hknob_cli.engine.general.sets import friction_arcs
@@ -80,8 +81,10 @@ def can_rub_arcs(body: Body, wall: Controller, law: Law | None = None) -> bool:
     The scene has more than angle and speed, reads counts, and a law is proven and feels no speed.
     """
     known = law is None or (law.provable and not law.senses)
-    plain = body.play == 0.0 and body.cogs is None and wall.analog == 0.0
-    return plain and known and body.order > 2 and body.damped and body.reach < inf
+    plain = body.play == 0.0 and wall.analog == 0.0 and body.damped and body.reach < inf
+    if body.cogs is not None:
+        return plain and known and (body.friction == 0.0 or body.order == 2) and wall.hysteresis == 0.0
+    return plain and known and body.order > 2
 
 
 def rub_drift(body: Body, wall: Controller, law: Law | None = None) -> Drift:
@@ -91,16 +94,24 @@ def rub_drift(body: Body, wall: Controller, law: Law | None = None) -> Drift:
     last bit of a sample period, and a knob that friction holds nearly may slide by as much.
     """
     n = body.order
-    units = [norm([float(i == j) for j in range(n)], body) for i in range(n)]
+    units = [size_at(body.cogs, [float(i == j) for j in range(n)], 0, body) for i in range(n)]
     once = [0.0] * (n + 2)
-    modes = ((RATES, HALVES, CONSTANT, body.friction), (HELD, HALVES_HELD, CONSTANT_HELD, 0.0))
-    for rates, integrals, constant, friction in modes if body.friction > 0.0 else modes[:1]:
+    modes = [(RATES, HALVES, CONSTANT, body.friction)]
+    spring = constant_pull = 0.0
+    if body.cogs is not None:
+        # Its torque is added to the rates, by the distance from the middle of the slope, which is rounded, too.
+        modes = [(COGGED + k, COGGED_HALVES + k * HALVINGS, CONSTANT, body.friction) for k in range(2)]
+        spring, constant_pull = 2.0 * body.cogs[SLOPE], body.cogs[SLOPE] * body.cogs[LENGTH]
+    elif body.friction > 0.0:
+        modes.append((HELD, HALVES_HELD, CONSTANT_HELD, 0.0))
+    for rates, integrals, constant, friction in modes:
         rate = []  # bounds on the terms of each rate: by 1, by the command, and by each number of the state
         for i in range(n):
-            enters = abs(body.vectors[ENTRY * n + i]) if rates == RATES else 0.0
+            enters = abs(body.vectors[ENTRY * n + i]) if rates != HELD else 0.0
             command = enters if body.lag == 0.0 else (body.lag if i == n - 1 else 0.0)
             row = [abs(body.matrices[rates * n * n + i * n + j]) for j in range(n)]
-            rate.append([abs(body.vectors[constant * n + i]) + enters * friction, command, *row])
+            row[0] += enters * spring
+            rate.append([abs(body.vectors[constant * n + i]) + enters * (friction + constant_pull), command, *row])
         late = [sum(units[i] * rate[i][k] for i in range(n)) for k in range(n + 2)]
         for half, exact in enumerate(halves(body, rates)):
             at = (integrals + half) * n * n
@@ -129,22 +140,23 @@ def differences(body: Body) -> tuple[list[float], list[float]]:
     """Columns that span all differences of norm 1, (order) each, and how fast differences change, in `body.norm`.
 
     Torques that lag are the same for all states. The rates are that of a unit of speed of the knob, and the largest of
-    norm 1, sliding and held.
+    norm 1, sliding and held; beside cogging in `cogging.size_at`, on whichever slope it is more.
     """
     n = body.order - (body.lag > 0.0)
     unit = [[float(i == j) for j in range(body.order)] for i in range(n)]
-    square = [norm(one, body) ** 2 for one in unit]
+    square = [size_at(body.cogs, one, 0, body) ** 2 for one in unit]
     energy = np.diag(square)
     for i in range(n):
         for j in range(i):
-            both = norm([p + q for p, q in zip(unit[i], unit[j], strict=True)], body) ** 2
+            both = size_at(body.cogs, [p + q for p, q in zip(unit[i], unit[j], strict=True)], 0, body) ** 2
             energy[i, j] = energy[j, i] = 0.5 * (both - square[i] - square[j])
     half = np.linalg.cholesky(energy).T
     back = np.linalg.inv(half)
     matrices = np.array(body.matrices).reshape(-1, body.order, body.order)[:, :n, :n]
     entry = np.array(body.vectors[ENTRY * body.order : ENTRY * body.order + n])
-    rates = [np.linalg.norm(half @ matrices[RATES] @ entry)]
-    rates += [np.linalg.norm(half @ matrices[which] @ back, 2) for which in (RATES, HELD)]
+    slides = (RATES,) if body.cogs is None else (COGGED, COGGED + 1)
+    rates = [max(np.linalg.norm(half @ matrices[which] @ entry) for which in slides)]
+    rates += [max(np.linalg.norm(half @ matrices[which] @ back, 2) for which in ways) for ways in (slides, (HELD,))]
     columns = np.zeros((n, body.order))
     columns[:, :n] = back.T
     return [(1.0 + ROUNDED) * value for value in columns.ravel()], [(1.0 + ROUNDED) * float(one) for one in rates]

@@ -6,10 +6,12 @@ so whatever a state truly reads, a part that acts as this reading holds it.
 """
 
 from hknob_cli.engine.follow import CYCLE_PROVEN, GREW, UNSETTLED
-from hknob_cli.engine.general.body import copy_to, norm_at
+from hknob_cli.engine.general.body import copy_to
 from hknob_cli.engine.general.captured import FIELDS
+from hknob_cli.engine.general.cogging import reach_of, size_at
 from hknob_cli.engine.general.sets.ball import FIRST_REST_TEST
 from hknob_cli.engine.general.sets.cell import Centre
+from hknob_cli.engine.general.sets.cog_arc import begin_phases, move_arc
 from hknob_cli.engine.general.sets.friction_arc import (
     BEFORE,
     COUNT,
@@ -26,9 +28,7 @@ from hknob_cli.engine.general.sets.friction_arc import (
     TOLD,
     apart_of,
     ball_of,
-    begin_arc,
     beside_of,
-    rub_arc,
     start_rate,
 )
 from hknob_cli.engine.general.sets.friction_arc_counts import begin_counts, count_turns, keep_start, tells_counts
@@ -45,7 +45,7 @@ from hknob_cli.engine.general.sets.friction_arc_parts import (
 from hknob_cli.engine.general.sets.friction_arc_rest import SEVERAL, rest_of_arc
 from hknob_cli.engine.general.sets.friction_phases import NARROWEST, UNPROVEN
 from hknob_cli.engine.general.sets.friction_set import LEAST_WEIGHT
-from hknob_cli.engine.general.sets.known import FULL, NO_ROOM, blame, captor, fate_of, is_proven, seek
+from hknob_cli.engine.general.sets.known import FULL, NO_ROOM, blame, captor, fate_of, is_compared, is_proven, seek
 from hknob_cli.engine.general.sets.memory import begin_at, command_all, first_look, watched
 from hknob_cli.engine.general.sets.readings import remembered, steps_deeper
 from hknob_cli.engine.general.sets.turns import half_of, keep_count, level_at
@@ -94,7 +94,7 @@ def step_arc(room, before, narrow, cell):
     """
     drift, body, wall, law, turns = cell.drift, cell.body, cell.wall, cell.known.law, cell.known.turns
     z, ring = room.z, room.ring
-    watch, line = watched(law, wall), norm_at(room.columns, 0, body)
+    watch, line = watched(law, wall), size_at(body.cogs, room.columns, 0, body)
     stood = room.arc[STANDS] > 0.0
     ball = ball_of(room, body)
     long, torn = line > LONG and line > 2.0 * ball, is_line(line, ball + room.arc[ERROR])
@@ -106,7 +106,7 @@ def step_arc(room, before, narrow, cell):
     for at in range(0, len(room.course), HOLD):
         u, span = room.torques[int(room.course[at + TORQUE])], room.course[at + SPAN]
         wide = keep_start(turns, room, body)
-        alike = rub_arc(room, z, u, span, drift, body)
+        alike = move_arc(room, z, u, span, drift, body)
         if not alike and long:
             return 0.0, TORN
         count_turns(turns, room, u, span, alike, wide, body, watch)
@@ -127,7 +127,7 @@ def step_arc(room, before, narrow, cell):
 
 def shorten_arc(room, waiting, body):
     """Halve the arc in ``room.own``, of which too little is told: ``(waiting, fate, row)``, as `end_of_arc`."""
-    if not is_line(norm_at(room.columns, 0, body), ball_of(room, body) + room.arc[ERROR]):
+    if not is_line(size_at(body.cogs, room.columns, 0, body), ball_of(room, body) + room.arc[ERROR]):
         return waiting, AGAIN, -1
     waiting = halve_arc(room, waiting)
     return waiting, (PARTED if waiting >= 0 else LOST), NO_ROOM
@@ -169,7 +169,7 @@ def end_of_arc(room, waiting, scope, cell):
         if level == high:
             if arc[SAMPLE] == 0.0:
                 before = begin_at(law, level, ring, wall)
-            elif tells_counts(turns, arc) and steps_deeper(level, last, watch):
+            elif tells_counts(turns, arc) and is_compared(steps_deeper(level, last, watch), True, body):
                 row = captor(z, before, ring, 0 * len(ring), reach, known, body, wall)
                 if row >= 0:
                     return waiting, ENDED, row, taken
@@ -191,8 +191,8 @@ def end_of_arc(room, waiting, scope, cell):
                 if body.halt[0] > 0.0 or not is_proven(row, known):
                     return waiting, LOST, fate_of(row, known), taken
                 if known.table[row * FIELDS] == CYCLE_PROVEN:
-                    margin = known.table[row * FIELDS + 2] - known.table[row * FIELDS + 5]
-                    shorter = wait != scope.patience and not narrow and body.reach * reach > MUCH * margin
+                    much = MUCH * (known.table[row * FIELDS + 2] - known.table[row * FIELDS + 5])
+                    shorter = wait != scope.patience and not narrow and reach_of(body.cogs, body) * reach > much
                 since, wait = 0, wait + 2 * int(known.table[row * FIELDS + 1]) + 1
             if shorter:
                 waiting, fate, row = shorten_arc(room, waiting, body)
@@ -234,7 +234,7 @@ def follow_friction_arcs(start, first, samples, stack, scope, room, cell):
             room.arc[LOW + j] = stack[INTERVAL * waiting + j]
         for j in range(len(room.ring)):
             room.ring[j] = 0.0
-        begin_arc(start, rate, room, cell.drift, body)
+        begin_phases(start, rate, room, cell.drift, body)
         keep_arc(room)
         wait_arc(room, 0, -1.0, 1.0, -1.0, 1.0)
         arcs, begun = 1, 1

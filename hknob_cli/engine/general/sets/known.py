@@ -6,9 +6,11 @@ last reading. Reaches are bounds on a distance from the centre in `body.norm`, i
 
 from hknob_cli.engine.certificate import PROVEN
 from hknob_cli.engine.follow import CYCLE_PROVEN, GREW, REST_PROVEN, UNSETTLED
-from hknob_cli.engine.general.body import distance
+from hknob_cli.engine.general.body import copy_to, distance
 from hknob_cli.engine.general.captured import FIELDS
-from hknob_cli.engine.general.controller import inside
+from hknob_cli.engine.general.cog_rest import LastTorque, balance_on, stays_on_slope
+from hknob_cli.engine.general.cogging import far_around, has_cogs, reach_on
+from hknob_cli.engine.general.controller import edge_gap, inside, read
 from hknob_cli.engine.general.follow import KNOWN
 from hknob_cli.engine.general.sets.memory import (
     OrbitSample,
@@ -21,13 +23,23 @@ from hknob_cli.engine.general.sets.memory import (
     memory_apart,
     reading_of,
     rest_within,
+    settle_memory,
     store_memory,
+    watched,
 )
 from hknob_cli.engine.rest import AT_REST
 
 POINTS_OF_ORBIT = 64  # samples of an orbit, where the wall steps deeper, at which sets are compared with it
 FULL, UNPROVEN_END = -2, -1  # instead of a row
 NO_ROOM = 12  # beside the fates of `general.follow`: more ends, or more pieces, than a cell keeps
+
+
+def is_compared(deeper, deepest, body):
+    """Whether sets are compared with a sample of a proven orbit: where the wall steps ``deeper``.
+
+    Beside cogging at its ``deepest`` one, as it is known only there what an orbit over corners captures.
+    """
+    return deepest if has_cogs(body.cogs) else deeper
 
 
 def walk_points(row, before, known, body, wall):
@@ -41,8 +53,8 @@ def walk_points(row, before, known, body, wall):
     count, entered, last = int(known.counts[1]), 0, 0.0
     for i in range(2 * period):
         shown = reading_of(known.law, known.z, before, known.ring, wall)
-        deeper = inside(shown, wall) < inside(last, wall)
-        if i >= period and deeper and entered < POINTS_OF_ORBIT and (count + 1) * width <= len(known.points):
+        wanted = is_compared(inside(shown, wall) < inside(last, wall), i == period, body)
+        if i >= period and wanted and entered < POINTS_OF_ORBIT and (count + 1) * width <= len(known.points):
             base = count * width
             known.points[base], known.points[base + 1] = row, before
             if wall.hysteresis > 0.0:
@@ -124,7 +136,7 @@ def add_end(fate, period, before, head, known, body, wall):
 def captor(z, before, ring, head, reach, known, body, wall):
     """Row of the proven orbit that captures every state within ``reach`` of ``z``; -1 if none is known to.
 
-    To be asked at a sample where the wall steps deeper.
+    To be asked at a sample where the wall steps deeper, or beside cogging at any.
     """
     n, delay = body.order, len(ring)
     points, table, away = known.points, known.table, known.space.away
@@ -132,16 +144,34 @@ def captor(z, before, ring, head, reach, known, body, wall):
     for k in range(int(known.counts[1])):
         base = k * width
         row = int(points[base])
-        margin = table[row * FIELDS + 2] - table[row * FIELDS + 5] - body.reach * reach
-        if not abs(z[0] - points[base + 2]) < margin:
+        at = points[base + 2]
+        margin = table[row * FIELDS + 2] - table[row * FIELDS + 5] - reach_on(body.cogs, at, body) * reach
+        if not abs(z[0] - at) < margin:
             continue
         sample = OrbitSample(points, base, table[row * FIELDS + 9])
         pushed = memory_apart(known.law, before, ring, head, sample, body, wall)
         for j in range(n):
             away[j] = z[j] - points[base + 2 + j]
-        if distance(away, body) + pushed < margin:
+        if far_around(body.cogs, away, at, body) + pushed < margin:
             return row
     return -1
+
+
+def resting_on_slope(z, before, ring, reach, level, known, body, wall):
+    """As `resting`, beside cogging: all of these states stay on one slope, whose springs hold the knob."""
+    orbit, away, cogs = known.space.orbit, known.space.away, body.cogs
+    still, u, wrong, left = settle_memory(known.law, z[0], level, before, ring, wall)
+    stands, slack = balance_on(cogs, z, LastTorque(u, wrong, left), body, orbit)
+    if not (still and stands):
+        return -1
+    slack += reach_on(cogs, orbit[0], body) * (reach + left) * (1.0 + 1e-9)
+    gap = edge_gap(orbit[0], level, level, watched(known.law, wall))
+    stays, _ = stays_on_slope(z, gap, slack, body, orbit, away)
+    if not stays:
+        return -1
+    copy_to(known.z, orbit)
+    copy_settled(known.law, ring, known.ring)
+    return add_end(REST_PROVEN, 1, read(orbit[0], wall), 0 * len(ring), known, body, wall)
 
 
 def resting(z, before, ring, reach, level, known, body, wall):
@@ -150,6 +180,8 @@ def resting(z, before, ring, reach, level, known, body, wall):
     ``level``: the reading as which all of them act.
     """
     n, space = body.order, known.space
+    if has_cogs(body.cogs):
+        return resting_on_slope(z, before, ring, reach, level, known, body, wall)
     fate, shown, gap, push, bound = rest_within(known.law, z, level, before, ring, body, wall, space)
     if fate != AT_REST:
         return -1

@@ -144,7 +144,7 @@ def memory_apart(law, before, ring, head, sample, body, wall):
         return float("inf")
     if law.guarded and not faded(ring, law.beside, law) < room:
         return float("inf")
-    return pushed_apart(torques_apart(ring, law.beside, law), 0.0, body)
+    return pushed_apart(torques_apart(ring, law.beside, law), points[sample.base + 2], body)
 
 
 def counted_alike(law, ring, points, at):

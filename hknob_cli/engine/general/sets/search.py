@@ -23,7 +23,7 @@ from hknob_cli.engine.attractors import (
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller
-from hknob_cli.engine.general.search import as_arrays, as_list, make_space
+from hknob_cli.engine.general.search import as_arrays, as_compiled, as_list, make_space
 from hknob_cli.engine.general.sets import arc, box, lattice
 from hknob_cli.engine.general.sets.afar import look_from_afar
 from hknob_cli.engine.general.sets.arc_parts import HIGH, LOW, arc_size
@@ -127,7 +127,9 @@ class GeneralSetEngine:
         if not self.compiled:
             return Cell(drift, known, body, as_list(wall))
         arrays = Drift._make(np.array(v) if isinstance(v, list) else v for v in drift)
-        return Cell(arrays, known, as_arrays(body), wall)
+        if body.cogs is None:
+            return Cell(arrays, known, as_arrays(body), wall)
+        return Cell(arrays, known, *as_compiled(body, wall))
 
     def search_phases(
         self,

@@ -1,0 +1,105 @@
+"""Where all states of an arc slide, or stop once and go on alike, on slopes of cogging: of angle and speed alone.
+
+As in `friction_arc`: the speeds of two states never differ by more than the arc is large, friction or not, but for what
+an unstable slope adds. So all slide as long as the centre is faster than that; all stop within a window of the centre's
+stop in which none can go on; and what derivatives at a stop leave out is bounded there, as long as no corner is near.
+"""
+
+from math import floor
+
+from hknob_cli.engine.general.body import HALVINGS, copy_to, norm_at, stiffness
+from hknob_cli.engine.general.cogging import (
+    COGGED_HALVES,
+    ROOT,
+    is_stable,
+    least_share,
+    room_on,
+)
+from hknob_cli.engine.general.sets.friction_arc import FINEST, WHOLE, stop_bound
+from hknob_cli.engine.general.slide_many import accept, keeps_sign, stretch
+from hknob_cli.engine.general.slide_two import way
+from hknob_cli.engine.general.slopes import cog_acceleration, cog_rate, roll
+
+
+def stays_fast(z, u, slope, mode, span, need, body, pad):
+    """Whether a speed stays over ``need`` in a slide over ``span`` on one slope; ``z`` is moved along.
+
+    As `friction_arc.stays_over`.
+    """
+    half, left, root = 0, floor(span * WHOLE) / WHOLE, body.cogs[ROOT]
+    table = COGGED_HALVES if is_stable(slope) else COGGED_HALVES + HALVINGS
+    while left > 0.0:
+        h = 0.5**half
+        while h > left:
+            half += 1
+            h *= 0.5
+        cog_rate(z, u, slope, mode, body, pad)
+        size, value = norm_at(pad, 0, body) + root * abs(pad[0]), z[1] * mode - need
+        deepest, told = max(half, FINEST), False
+        while not told:
+            share = least_share(body.cogs, slope, h)
+            if share > 0.0:
+                told = keeps_sign(value, pad[1] * mode, size / share * (stiffness(body) + root), h)
+            if not told:
+                half += 1
+                h *= 0.5
+                if not value > 0.0 or half > deepest:
+                    return False
+        stretch(z, pad, table + half, body)
+        accept(z, pad, body.order)
+        left -= h
+        if half > 0:
+            half -= 1
+    return True
+
+
+def stop_on_slope(room, z, u, slope, mode, apart, far, body):
+    """What a stop of the centre ``z`` that slid in ``mode`` does to an arc: ``(alike, window, then, jump, more)``.
+
+    Args:
+        room: `friction_arc_search.RubRoom`.
+        z: The centre at its stop.
+        u: Torque.
+        slope: Of cogging, its number.
+        mode: +1 or -1.
+        apart: How far states may be from the centre, by `cogging.size_at`, all along.
+        far: The same of their places.
+        body: What moves.
+
+    ``alike``: whether all stop within ``window`` of it, as far as the hold goes, and go on in the mode ``then``;
+    ``jump``: relative change of the speeds' rate; ``more``: what derivatives leave out, by `cogging.size_at`.
+    """
+    stiff, fast, pull = stiffness(body) + body.cogs[ROOT], room.fast[1], cog_acceleration(z, u, slope, body)
+    rate, then = pull - mode * body.friction, way(0.0, pull, body.friction)
+    if rate == 0.0:
+        return False, 0.0, then, 0.0, 0.0
+    slowed, after = abs(rate), 0.0 if then == 0 else pull - then * body.friction
+    window, own = 2.0 * apart / slowed, stiff * apart
+    bend, slow = stiff * (2.0 * slowed + fast * apart), -1.0
+    alike = 2.0 * fast * window <= 0.5 and 2.0 * (own + 2.0 * bend * window) <= slowed
+    alike = alike and room_on(z[0], slope, body.cogs) > far + 8.0 * slowed * window * window
+    if then == 0:
+        slow = 0.0
+        alike = alike and body.friction - abs(pull) > own + bend * window
+    else:
+        later = stiff * (abs(after) + fast * apart)
+        bend = max(bend, later)
+        alike = alike and 2.0 * (own + 2.0 * later * window) <= abs(after)
+    more = stop_bound(slowed, abs(after - rate), bend, slow, apart, window, room, body)
+    return alike, window, then, (after - rate) / rate, more
+
+
+def slides_on(room, u, slope, mode, span, apart_from, apart, body):
+    """Whether all states slide in ``mode`` on a slope, over a piece of ``span`` in which the centre does.
+
+    The piece begins at ``room.first``. ``apart_from``: as long as this after it begins, and before it ends, a state may
+    do otherwise; ``apart``: as `stop_on_slope`.
+    """
+    wait, window = apart_from
+    left = span - wait - 2.0 * window
+    if not left > 0.0:
+        return False
+    copy_to(room.begun, room.first)
+    if wait > 0.0:
+        roll(room.begun, u, slope, mode, wait, True, body, room.pad)
+    return stays_fast(room.begun, u, slope, mode, left, apart, body, room.pad)
