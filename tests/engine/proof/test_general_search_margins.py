@@ -23,7 +23,7 @@ from hknob_cli.engine.sets import region
 from hknob_cli.engine.sets.arc import MOST_ARCS, MOST_COVERED
 from hknob_cli.engine.sets.search import GENERATIONS, SAMPLED, SEEN, SLICE, WIDEST, Box
 
-BODY: Any = SimpleNamespace(order=2, reach=2.0, halt=[0.0])
+BODY: Any = SimpleNamespace(cogs=None, order=2, reach=2.0, halt=[0.0])
 WALL: Any = "wall"
 KNOWN: Any = SimpleNamespace(turns="turns")
 SCOPE = Scope(budget=1000, skip=4, patience=64, limit=1e6, fine=True)

@@ -9,6 +9,7 @@
 - with a lag `lagged_step`, `lagged_stops`; with friction `friction_step`, `friction_set`, `friction_piece`,
   `friction_box`, `friction_phases`, `convex`; behind hysteresis, too, `friction_turns`
 - with friction and more states all phases of one start: `friction_arc`, moved over a hold, `friction_arc_parts`,
-  `friction_arc_rest`, `friction_arcs`, `friction_arc_search`; behind hysteresis `friction_arc_counts`
+  `friction_arc_rest`, `friction_arcs`, `friction_arc_search`; behind hysteresis `friction_arc_counts`; beside cogging
+  `cog_arc`, which goes from corner to corner, and `cog_stop`
 - under a law, with friction or without, the same and `law_search`: cut at samples and at looks into an interval
 """
