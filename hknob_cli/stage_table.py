@@ -81,7 +81,7 @@ _ROWS = (
         "Find the cheapest design whose limit cycles nobody minds, with proof, and say what binds it.",
         "Draw cost against level, and the grid, into design.png beside the results.",
         model="hknob_cli.specs.design:DesignSpec",
-        validate="hknob_cli.specs.design_check:validate_design",
+        validate="hknob_cli.specs.design:validate_design",
         work="hknob_cli.stages.design.work:WORK",
         panel="Fix",
         then="hw-run",

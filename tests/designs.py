@@ -1,8 +1,8 @@
 """A search for a design that is small enough to evaluate whole: two hands, thirty designs."""
 
-from hknob_cli.specs.design_plan import DesignPlan
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.source import parse
+from hknob_cli.specs.stage_plans import DesignPlan
 
 DESIGN = """\
 kind: design

@@ -29,7 +29,7 @@ OFTEN = (
     "hknob_cli.pipeline.build",
     "hknob_cli.specs.load",
     "hknob_cli.specs.promise",
-    "hknob_cli.specs.suggest",
+    "hknob_cli.specs.scene_paths",
     "filelock",
     "jinja2",
     "matplotlib.backends.backend_agg",

@@ -75,9 +75,9 @@ def test_files_hold_one_idea_each() -> None:
     assert not {str(path): count for path, count in lines.items() if count > 330}
 
 
-# A controller is always a file of its own, as are a stage's plan, and what it runs, says and is. Other files under 40
-# lines, each with the reason why it is one.
-ALWAYS = ("controllers/*", "specs/*_plan.py", "stages/*/run.py", "stages/*/text.py", "stages/*/work.py")
+# A controller is always a file of its own, as are what a stage runs, says and is. Other files under 40 lines, each with
+# the reason why it is one.
+ALWAYS = ("controllers/*", "stages/*/run.py", "stages/*/text.py", "stages/*/work.py")
 SMALL = {
     "__main__.py": "python -m hknob_cli looks for this name",
     "at_once.py": "the command loads it before all else",
@@ -90,8 +90,6 @@ SMALL = {
     "page/template_files.py": "the page and the page of explore have it in common, and nothing else",
     "page/contents.py": "reads a format of its own, which the program only quotes",
     "scene/random_starts.py": "used by the plain and the general engine, of which it loads neither",
-    "specs/gear.py": "a part of the scene, which what reduces it loads the others for",
-    "specs/motor_faults.py": "faults of a motor with its grid, which the part itself cannot show",
     "spread/cores.py": "a sweep asks for the cores before it loads anything that spreads work",
     "stages/sweep/expected.py": "a guess before any cell runs, which the cells do not need",
     "stages/job.py": "the process that parses makes a job without loading the work",

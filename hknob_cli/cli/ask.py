@@ -62,8 +62,7 @@ def interview(kind: str, begin: Callable[[str], str], out: Path | None, talk: In
     """
     from hknob_cli.specs.preset import names
     from hknob_cli.specs.source import span_of
-    from hknob_cli.specs.starter import WITH_SCENE
-    from hknob_cli.specs.starter_answers import Question, answered, put, questions, refuse
+    from hknob_cli.specs.starter import WITH_SCENE, Question, answered, put, questions, refuse
 
     own, beside = "own", out.parent if out else Path()
     origin = own

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from hknob_cli.pipeline.nodes import Step
     from hknob_cli.pipeline.one_claim import OneClaim
     from hknob_cli.results.changes import Change
-    from hknob_cli.specs.pipeline_plan import PipelinePlan
+    from hknob_cli.specs.stage_plans import PipelinePlan
     from hknob_cli.stages.job import Job
 
 

@@ -18,8 +18,8 @@ from hknob_cli.report.large import varying
 from hknob_cli.report.sweep_words import perceived_levels
 from hknob_cli.results.means import differs
 from hknob_cli.results.result_set import CAMPAIGN, Result
-from hknob_cli.specs.page_plan import FigurePlan, Sentence
 from hknob_cli.specs.plan import PERSON
+from hknob_cli.specs.stage_plans import FigurePlan, Sentence
 
 _WHOLE = ("inertia_kg_m2", "damping_nm_s_per_rad", "stiffness_nm_per_rad")
 _PERSONS = "Every person over grip force: inertia of hand and apparatus, damping, stiffness, damping ratio."

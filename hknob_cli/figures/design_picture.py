@@ -10,8 +10,8 @@ from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.sheet import save
 from hknob_cli.report.design import flagged, limits, name_of
 from hknob_cli.results.result_set import MissingError, ResultSet, Rows
-from hknob_cli.specs.design_plan import DesignPlan
 from hknob_cli.specs.plan import COUNTS, RATE
+from hknob_cli.specs.stage_plans import DesignPlan
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -14,7 +14,7 @@ from hknob_cli.results.files import create, put_in_place
 from hknob_cli.results.provenance import KEYWORD, source_text
 from hknob_cli.results.result_set import MissingError, One, Result
 from hknob_cli.results.store import partial
-from hknob_cli.specs.page_plan import FigurePlan
+from hknob_cli.specs.stage_plans import FigurePlan
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

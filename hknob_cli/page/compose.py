@@ -19,7 +19,7 @@ from hknob_cli.page.defaults import chapters_of
 from hknob_cli.page.drawn import draw_figures, filled
 from hknob_cli.page.tables import table_of
 from hknob_cli.results.result_set import MissingError, Result, ResultSet
-from hknob_cli.specs.page_plan import ChapterPlan, ReportPlan, Sentence, TablePlan
+from hknob_cli.specs.stage_plans import ChapterPlan, ReportPlan, Sentence, TablePlan
 
 
 class Judgement(NamedTuple):

@@ -6,7 +6,7 @@ from typing import TypeVar
 from hknob_cli.errors import MISSHAPEN, UsageError
 from hknob_cli.figures.defaults import figures_of
 from hknob_cli.results.result_set import CAMPAIGN, Result, ResultSet
-from hknob_cli.specs.page_plan import ChapterPlan, TablePlan
+from hknob_cli.specs.stage_plans import ChapterPlan, TablePlan
 
 _MEAN = "Peak to peak and frequency are means over the trials that cycle."
 _TITLES = {

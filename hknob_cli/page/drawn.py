@@ -21,7 +21,7 @@ from hknob_cli.page.book import Clip, Drawn
 from hknob_cli.page.by_processes import Progress, by_processes
 from hknob_cli.page.claims.checks import compute
 from hknob_cli.results.result_set import MissingError, ResultSet
-from hknob_cli.specs.page_plan import FigurePlan, Listen, Sentence
+from hknob_cli.specs.stage_plans import FigurePlan, Listen, Sentence
 
 RATE_HZ = 16000
 DURATION_S = 1.2

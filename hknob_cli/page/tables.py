@@ -16,8 +16,8 @@ from hknob_cli.report.what_matters import columns_of
 from hknob_cli.results.means import WORST, differs
 from hknob_cli.results.parted import Parted
 from hknob_cli.results.result_set import MissingError, Result, ResultSet
-from hknob_cli.specs.page_plan import TablePlan
 from hknob_cli.specs.plan import COUNTS, PERSON, RATE
+from hknob_cli.specs.stage_plans import TablePlan
 
 _NAMES = {
     "p2p_rad": "peak to peak",

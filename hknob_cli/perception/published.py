@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from hknob_cli.errors import UsageError
-from hknob_cli.specs.design_plan import DesignPlan
+from hknob_cli.specs.stage_plans import DesignPlan
 
 _PACKAGE = Path(__file__).parent
 # In an installed package, then in the repository.

@@ -18,8 +18,7 @@ from hknob_cli.pipeline.steps import plan_of
 from hknob_cli.results.result_set import ResultSet
 from hknob_cli.specs.load import kind_of
 from hknob_cli.specs.messages import closest, shown
-from hknob_cli.specs.page_plan import ReportPlan
-from hknob_cli.specs.pipeline_plan import PipelinePlan
+from hknob_cli.specs.stage_plans import PipelinePlan, ReportPlan
 
 _MANY = 40  # claims that a message lists
 _LONGEST = 90  # letters of a sentence in it

@@ -18,9 +18,8 @@ from hknob_cli.results.files import refuse_link
 from hknob_cli.specs.load import load
 from hknob_cli.specs.messages import unknown
 from hknob_cli.specs.named_file import open_named
-from hknob_cli.specs.page_plan import ReportPlan
-from hknob_cli.specs.pipeline_plan import PipelinePlan, StagePlan
 from hknob_cli.specs.plan import Plan
+from hknob_cli.specs.stage_plans import PipelinePlan, ReportPlan, StagePlan
 from hknob_cli.specs.standard_input import as_typed, is_stdin
 from hknob_cli.stages.input_files import hand_files
 from hknob_cli.stages.job import Job, work_of

@@ -8,8 +8,8 @@ import pyarrow as pa
 from hknob_cli.perception.published import REDRAWS, doubts
 from hknob_cli.report.table import matrix, short, table
 from hknob_cli.results.means import from_where
-from hknob_cli.specs.design_plan import DesignPlan
 from hknob_cli.specs.plan import COUNTS, RATE
+from hknob_cli.specs.stage_plans import DesignPlan
 
 Row = dict[str, Any]
 MOST_FRONT = 20  # lines

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, get_args
 from pydantic import Field, ValidationError
 
 from hknob_cli.errors import Fault, SpecError
-from hknob_cli.specs.electrical import reduced
+from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.grid import Counts
 from hknob_cli.specs.plan import COUNTS, BenchPlan, BenchScene

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 from hknob_cli.errors import Fault
 from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.declared import declared
-from hknob_cli.specs.driven import Driven, driven_of
+from hknob_cli.specs.drive import Driven, driven_of
 from hknob_cli.specs.motor import EddyBrake, Motor
 from hknob_cli.specs.over_angle import DeadZone, Detents, EndStops, Profile
 from hknob_cli.specs.parts import Actuator, Encoder

@@ -1,7 +1,7 @@
 """What goes with what: each part of a scene beside each engine, law and command. One table, which all others read.
 
 Validation and its messages (`specs.refusals`), the choice of the engine (`engine_of`) and
-docs/reference/capabilities.md (`specs.capabilities_page`) are made from it. `P`: the motion is exact, and what is found
+docs/reference/capabilities.md (`specs.reference_pages`) are made from it. `P`: the motion is exact, and what is found
 is proven: limit cycles, and with sets of starts that their list is complete. `E`: the motion is exact, what is found is
 not proven. `~`: estimated, by a formula, published numbers or a record. `-`: refused. A verdict is that of a scene with
 this one part. Of several parts the lowest verdict counts; `EXCEPTIONS` has the pairs that are lower still.

@@ -1,4 +1,4 @@
-"""The grid: axes of values.
+"""The grid: axes of values, or points that fill their ranges.
 
 An axis is a list of values, ``{log: [first, last, count]}`` or ``{lin: [first, last, count]}``; a single value is an
 axis of one. Beside sample rate and counts, any number of the scene is an axis by its dotted path. A continuous sensor
@@ -9,14 +9,55 @@ an axis is a range, ``{log: [first, last]}`` or ``{lin: [first, last]}``, a list
 import math
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, TypeAdapter, ValidationError
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, TypeAdapter, ValidationError, model_validator
+from pydantic_core import PydanticCustomError
 
 from hknob_cli.specs.cells import log_between
 from hknob_cli.specs.part import Part
 from hknob_cli.specs.plan import COUNTS, GRIP, RATE
-from hknob_cli.specs.points import PointsSpec
-from hknob_cli.specs.quantity import SampleRate
+from hknob_cli.specs.quantity import MayBeFloat, SampleRate
 from hknob_cli.specs.scene_paths import annotated, scalar_field, scalar_paths
+from hknob_cli.specs.unit_points import HALTON, LATIN, MOST_POINTS, RANDOM, SOBOL, Points
+
+_METHODS = (SOBOL, HALTON, LATIN, RANDOM)
+
+
+_Sobol = Annotated[int, Field(strict=True, ge=1, le=MOST_POINTS[SOBOL]), MayBeFloat]
+_Latin = Annotated[int, Field(strict=True, ge=1, le=MOST_POINTS[LATIN]), MayBeFloat]
+_Many = Annotated[int, Field(strict=True, ge=1, le=MOST_POINTS[RANDOM]), MayBeFloat]
+
+
+def _one_method(schema: dict[str, Any]) -> None:
+    """Say in the JSON Schema that there is one method."""
+    schema["oneOf"] = [{"required": [method]} for method in _METHODS]
+
+
+class PointsSpec(Part):
+    """Points that fill the ranges of the axes: how many, by exactly one method (scipy.stats.qmc; random: numpy)."""
+
+    model_config = ConfigDict(json_schema_extra=_one_method)
+
+    sobol: Annotated[
+        _Sobol | None, Field(description="points of a scrambled Sobol sequence; a power of two is best")
+    ] = None
+    halton: Annotated[_Many | None, Field(description="points of a scrambled Halton sequence")] = None
+    latin_hypercube: Annotated[_Latin | None, Field(description="points of a Latin hypercube")] = None
+    random: Annotated[_Many | None, Field(description="points drawn independently")] = None
+    seed: Annotated[int, Field(strict=True, ge=0, le=2**32 - 1, description="the same points by it")] = 1
+
+    @model_validator(mode="after")
+    def _one(self) -> "PointsSpec":
+        given = [name for name in _METHODS if getattr(self, name) is not None]
+        if len(given) != 1:
+            text = f"must have exactly one of {', '.join(_METHODS)}, got {' and '.join(given) or 'none'}"
+            raise PydanticCustomError("one_of", "{text}", {"text": text})
+        return self
+
+    def plain(self, scales: dict[str, str]) -> Points:
+        """The design as plain values; ``scales``: log or lin of each axis that is a range."""
+        method = next(name for name in _METHODS if getattr(self, name) is not None)
+        return Points(method, int(getattr(self, method)), self.seed, scales)
+
 
 MAX_CELLS = 1_000_000
 

@@ -1,14 +1,51 @@
-"""The hand on the knob in a spec: by its numbers, as measured, as identified, or with a finger apart from the knob."""
+"""The hand on the knob in a spec: by its numbers, as measured at a grip, as identified, or with a finger of its own."""
 
+from math import isclose
 from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field, PrivateAttr, field_validator, model_validator
+from pydantic import ConfigDict, Field, PrivateAttr, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from hknob_cli.specs import plan
-from hknob_cli.specs.grip import Grip, printed_beside_table, printed_grip_schema, same_grip
 from hknob_cli.specs.part import Part, Place
-from hknob_cli.specs.quantity import WHOLE, AddedInertia, Damping, Inertia, NotSweepable, Stiffness
+from hknob_cli.specs.quantity import WHOLE, AddedInertia, Damping, Inertia, NotSweepable, Quantity, Stiffness
+
+Grip = Annotated[float, Quantity("N")]
+
+
+def printed_grips() -> list[float]:
+    """Grip forces (N) of Tables 1-5, which are the same in each."""
+    from hknob_cli.printed.tables import grasps
+
+    return [grasp.grip_n for grasp in grasps(1)]
+
+
+def same_grip(one: float, other: float) -> bool:
+    """Whether two grip forces (N) are the same except for rounding, of units as of the person who wrote them."""
+    return isclose(one, other, rel_tol=1e-9)
+
+
+def unprinted(grip_n: float) -> str | None:
+    """What is wrong with a grip force (N) of a printed hand; None if Tables 1-5 have a row for it."""
+    grips = printed_grips()
+    if any(same_grip(grip_n, grip) for grip in grips):
+        return None
+    allowed = ", ".join(f"{grip:g}" for grip in grips)
+    return f"must be a grip force of Tables 1-5, {allowed}"
+
+
+def printed_beside_table(value: float | None, info: ValidationInfo) -> float | None:
+    """Validator of a grip force: beside a ``table`` it is one of its rows."""
+    wrong = unprinted(value) if value is not None and info.data.get("table") is not None else None
+    if wrong:
+        raise PydanticCustomError("grip", "{reason}", {"reason": wrong})
+    return value
+
+
+def printed_grip_schema() -> dict[str, Any]:
+    """JSON Schema of a grip force beside a table."""
+    return {"anyOf": [{"enum": printed_grips()}, {"type": "string"}]}
+
 
 _GIVEN = ("inertia", "damping", "stiffness", "finger", "fingerpad")
 _OF_A_FILE = ("experiment", "subject", "estimator", "subtract_apparatus")

@@ -11,18 +11,18 @@ from hknob_cli.specs import source as yaml
 from hknob_cli.specs.analysis import Case, CaseFile, DfaSpec, PredictSpec
 from hknob_cli.specs.cells import cells_over
 from hknob_cli.specs.faults import faults_of
-from hknob_cli.specs.from_preset import take_preset
 from hknob_cli.specs.grid import MAX_CELLS, Grid
 from hknob_cli.specs.grid_axes import Limit, resolve_axes, too_many
 from hknob_cli.specs.messages import closest, shown, unknown
 from hknob_cli.specs.named_file import digest_of
-from hknob_cli.specs.pipeline_plan import PipelinePlan, StagePlan
 from hknob_cli.specs.plan import COUNTS, PERSON, RATE, Axes, DfaPlan, Hand, Plan, PredictPlan, SweepPlan
 from hknob_cli.specs.population import PopulationSpec
+from hknob_cli.specs.preset import take_preset
 from hknob_cli.specs.refusals import contradictions, refusals
 from hknob_cli.specs.scene import SceneSpec
 from hknob_cli.specs.scene_paths import axis_unit
 from hknob_cli.specs.source import Source
+from hknob_cli.specs.stage_plans import PipelinePlan, StagePlan
 from hknob_cli.specs.sweep import MOST_CELLS, LimitsSpec, SweepSpec
 from hknob_cli.stage_table import KINDS, PIPELINE, SCHEMAS, SPECS, STAGES, loaded
 
@@ -287,7 +287,7 @@ def _unknown(source: Source, path: str) -> str | None:
     kind = source.value.get("kind")
     if not isinstance(kind, str) or kind not in SPECS:
         return None
-    from hknob_cli.specs.suggest import unknown_path
+    from hknob_cli.specs.scene_paths import unknown_path
 
     stages = source.value.get("stages")
     return unknown_path(spec_model(kind), path, list(stages) if isinstance(stages, dict) else ())

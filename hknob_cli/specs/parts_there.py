@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from hknob_cli.specs.controller import MODELLED, Controller
-from hknob_cli.specs.electrical import reduced
+from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.plan import Fingerpad, Hand, Scene
 

@@ -10,14 +10,12 @@ from typing import Annotated, Any, NamedTuple
 from hknob_cli.specs.campaign import HwRunPlan
 from hknob_cli.specs.controller import Controller as Controller
 from hknob_cli.specs.declared import declared
-from hknob_cli.specs.design_plan import DesignPlan
-from hknob_cli.specs.electrical import reduced
+from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.identification import SysidPlan
 from hknob_cli.specs.over_angle import DeadZone as DeadZone
 from hknob_cli.specs.over_angle import Detents as Detents
 from hknob_cli.specs.over_angle import EndStops as EndStops
 from hknob_cli.specs.over_angle import Profile as Profile
-from hknob_cli.specs.page_plan import ReportPlan
 from hknob_cli.specs.parts import Actuator as Actuator
 from hknob_cli.specs.parts import Bias as Bias
 from hknob_cli.specs.parts import Encoder as Encoder
@@ -28,10 +26,9 @@ from hknob_cli.specs.parts import Knob as Knob
 from hknob_cli.specs.parts import Scene as Scene
 from hknob_cli.specs.parts import Wall as Wall
 from hknob_cli.specs.perception import Perceive
-from hknob_cli.specs.preset_plan import Preset
 from hknob_cli.specs.quantity import PositiveSeconds, SignedTorque
-from hknob_cli.specs.remedies_plan import RemediesPlan
 from hknob_cli.specs.squeeze import squeezed
+from hknob_cli.specs.stage_plans import DesignPlan, Preset, RemediesPlan, ReportPlan
 from hknob_cli.specs.unit_points import Points
 
 RATE, COUNTS = "sample_rate_hz", "counts_per_rev"
@@ -197,7 +194,7 @@ Plan = SweepPlan | DfaPlan | PredictPlan | BenchPlan | ReportPlan | SysidPlan | 
 def scene_at(scene: Scene, cell: Cell) -> Scene:
     """The scene with a cell's values in place, with the hand of its squeeze and with what its motor comes to.
 
-    See `specs.squeeze.squeezed` and `specs.electrical.reduced`.
+    See `specs.squeeze.squeezed` and `specs.drive.reduced`.
     """
     return reduced(squeezed(placed(scene, cell)))
 

@@ -5,8 +5,7 @@ from typing import Annotated, Any, Literal
 from pydantic import ConfigDict, Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from hknob_cli.specs.grip import Grip, printed_beside_table, printed_grip_schema
-from hknob_cli.specs.hand import Label
+from hknob_cli.specs.hand import Grip, Label, printed_beside_table, printed_grip_schema
 from hknob_cli.specs.part import Part
 from hknob_cli.specs.quantity import WHOLE, Inertia, NotSweepable
 

@@ -16,16 +16,18 @@ from hknob_cli.specs.capabilities import (
     reason,
 )
 from hknob_cli.specs.controller import KINDS, Controller
-from hknob_cli.specs.gear_faults import gear_contradictions
 from hknob_cli.specs.hand import HandSpec, hand_contradictions
-from hknob_cli.specs.motor_faults import motor_contradictions
 from hknob_cli.specs.over_angle import OVER_ANGLE
-from hknob_cli.specs.over_angle_faults import over_angle_contradictions
 from hknob_cli.specs.part import Place, default_of
 from hknob_cli.specs.plan import Axes, Encoder, Knob, Scene, Wall
 from hknob_cli.specs.scene import SceneSpec
-from hknob_cli.specs.squeeze_faults import squeeze_contradictions
-from hknob_cli.specs.velocity_faults import velocity_contradictions
+from hknob_cli.specs.scene_faults import (
+    gear_contradictions,
+    motor_contradictions,
+    over_angle_contradictions,
+    squeeze_contradictions,
+    velocity_contradictions,
+)
 
 Faults = list[tuple[Place, str]]
 # Further keys that give a scene a part.

@@ -19,10 +19,10 @@ from hknob_cli.specs.messages import nearest
 from hknob_cli.specs.perception import Perceive
 from hknob_cli.specs.plan import COUNTS, JITTERS, PERSON, RATE, Hand, SweepPlan, may_have
 from hknob_cli.specs.quantity import PositiveSeconds, SampleRate, Torque, Velocity
-from hknob_cli.specs.remedies_plan import KNOCKS, RemediesPlan, Remedy, Tuned
 from hknob_cli.specs.scene import Part
 from hknob_cli.specs.scene_paths import scalar_field, scalar_paths
 from hknob_cli.specs.source import Path_, Source
+from hknob_cli.specs.stage_plans import KNOCKS, RemediesPlan, Remedy, Tuned
 from hknob_cli.specs.sweep import MOST_ROWS, Name
 
 # Where what a derived sweep is made of stands in the spec.

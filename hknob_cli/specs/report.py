@@ -10,9 +10,9 @@ from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.specs.drawings import Draw
 from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.named_file import read_named
-from hknob_cli.specs.page_plan import ChapterPlan, FigurePlan, Listen, ReportPlan, Sentence
 from hknob_cli.specs.scene import Part
 from hknob_cli.specs.source import Path_, Source
+from hknob_cli.specs.stage_plans import ChapterPlan, FigurePlan, Listen, ReportPlan, Sentence
 from hknob_cli.specs.standard_input import as_typed
 from hknob_cli.specs.sweep import Name
 

@@ -17,7 +17,7 @@ from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from ruamel.yaml.scanner import RoundTripScanner, ScannerError
 
 from hknob_cli.errors import Fault, SpecError, UsageError
-from hknob_cli.specs.size_limit import MAX_DEPTH, size_limit
+from hknob_cli.specs.named_file import MAX_DEPTH, size_limit
 from hknob_cli.specs.standard_input import given, is_stdin
 
 Path_ = tuple[str | int, ...]

@@ -7,7 +7,7 @@ is pushed deeper into a wall, which pushes back harder, needs a firmer grip, and
 
 from math import inf
 
-from hknob_cli.specs.electrical import reduced
+from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.parts import Hand, Scene
 
 # Beginnings of the paths of all numbers, beside those of the hand, that a grip depends on.

@@ -7,7 +7,7 @@ from pydantic_core import PydanticCustomError
 
 from hknob_cli.errors import Fault
 from hknob_cli.specs.grid import AxisError, AxisSpec, LogAxis, levels
-from hknob_cli.specs.grip import Grip, printed_grips, same_grip, unprinted
+from hknob_cli.specs.hand import Grip, printed_grips, same_grip, unprinted
 from hknob_cli.specs.identification import BiasPlan, HiddenPlan, StudyPlan
 from hknob_cli.specs.part import Part
 from hknob_cli.specs.quantity import WHOLE, Inertia, Unit

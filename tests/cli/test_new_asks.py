@@ -16,8 +16,7 @@ from hknob_cli.cli.ask import Interview, interview
 from hknob_cli.cli.new import _text
 from hknob_cli.errors import SpecError
 from hknob_cli.specs.load import load, load_pipeline
-from hknob_cli.specs.starter import own_starter, starter
-from hknob_cli.specs.starter_answers import questions, refuse
+from hknob_cli.specs.starter import own_starter, questions, refuse, starter
 from hknob_cli.stage_table import SPECS
 from tests.conftest import HKNOB, SPEC
 

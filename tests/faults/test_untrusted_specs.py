@@ -12,7 +12,7 @@ from hknob_cli.recordings.calibration import read_columns
 from hknob_cli.recordings.files import NotReadableError, RecordingFile
 from hknob_cli.results.files import digest
 from hknob_cli.results.parted import read_result, result_schema
-from hknob_cli.specs import size_limit
+from hknob_cli.specs import named_file
 from hknob_cli.specs.source import parse, read
 from hknob_cli.specs.units import to_si
 from tests.conftest import SPEC, faults_of
@@ -139,7 +139,7 @@ def test_a_larger_file_needs_a_word_from_the_user(tmp_path: Path, monkeypatch: p
 @pytest.mark.parametrize("piece", ["1", "[]", "a: 1"])
 def test_too_much_is_given_up_where_it_begins(piece: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """To read a megabyte of small values to its end takes half a minute: what is behind the limit is not looked at."""
-    monkeypatch.setattr(size_limit, "_VALUES", 200)
+    monkeypatch.setattr(named_file, "_VALUES", 200)
     with pytest.raises(SpecError, match=r"large\.yaml:1:\d+: more than 200 keys and values, aliases expanded") as error:
         parse(f"a: [{f'{piece}, ' * 1000} {'}' * 3}", "large.yaml")
     assert error.value.faults[0].column < 201 * (len(piece) + 2)

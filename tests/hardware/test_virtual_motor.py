@@ -16,7 +16,7 @@ from hknob_cli.hardware.order import settings_of, trials_of
 from hknob_cli.printed.tables import grasps
 from hknob_cli.specs.campaign import HwRunPlan
 from hknob_cli.specs.controller import Controller
-from hknob_cli.specs.electrical import reduced
+from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.plan import Actuator, Bias, Encoder, Hand, Knob, Scene, Wall
 from hknob_cli.specs.source import Source

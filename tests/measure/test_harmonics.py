@@ -18,7 +18,7 @@ from hknob_cli.measure.orbit import Measurer
 from hknob_cli.measure.piece_harmonics import _scattered, _shared, _sight, _transform
 from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.scene.sampled_knob import sample_knob
-from hknob_cli.specs.electrical import reduced
+from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.scene import SceneSpec
 from tests.engine.general.law_runs import states_with_law
 from tests.verification.general_scenes import LIGHT, STIFF, TWO_PARTS, scene

@@ -24,9 +24,9 @@ from hknob_cli.results.provenance import describe
 from hknob_cli.results.result_set import MissingError, ResultSet
 from hknob_cli.results.store import write
 from hknob_cli.specs.load import load
-from hknob_cli.specs.page_plan import FigurePlan, Listen, Sentence
 from hknob_cli.specs.report import validate_report
 from hknob_cli.specs.source import parse
+from hknob_cli.specs.stage_plans import FigurePlan, Listen, Sentence
 from hknob_cli.stages.sweep.record import record_sweep
 from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import EXPERIMENTS

@@ -20,11 +20,11 @@ from hknob_cli.specs.capabilities import (
     takes,
     verdict_of,
 )
-from hknob_cli.specs.capabilities_page import page
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.plan import SweepPlan, scene_at
 from hknob_cli.specs.promise import not_proven
+from hknob_cli.specs.reference_pages import capabilities_page
 from hknob_cli.specs.source import Source
 from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import ROOT
@@ -182,7 +182,7 @@ def test_every_column_has_a_title_of_its_own() -> None:
 
 
 def test_stored_page_is_current() -> None:
-    assert (ROOT / "docs" / "reference" / "capabilities.md").read_text() == page(), "make schemas"
+    assert (ROOT / "docs" / "reference" / "capabilities.md").read_text() == capabilities_page(), "make schemas"
 
 
 def test_a_velocity_sensor_beside_friction_is_labelled() -> None:

@@ -6,10 +6,10 @@ import pytest
 
 from hknob_cli.errors import SpecError
 from hknob_cli.printed.tables import grasps
-from hknob_cli.specs import design_check
-from hknob_cli.specs.design_plan import DesignPlan
+from hknob_cli.specs import design
 from hknob_cli.specs.load import load
 from hknob_cli.specs.plan import PERSON
+from hknob_cli.specs.stage_plans import DesignPlan
 from hknob_cli.stages.input_files import hand_inputs
 from tests.designs import DESIGN, planned
 from tests.identified import PEOPLE, write_conditions
@@ -178,8 +178,8 @@ def test_too_many_designs_are_refused() -> None:
 
 def test_the_most_designs(monkeypatch: pytest.MonkeyPatch) -> None:
     size = planned().size
-    monkeypatch.setattr(design_check, "MOST_DESIGNS", size)
+    monkeypatch.setattr(design, "MOST_DESIGNS", size)
     assert planned().size == size
-    monkeypatch.setattr(design_check, "MOST_DESIGNS", size - 1)
+    monkeypatch.setattr(design, "MOST_DESIGNS", size - 1)
     (found,) = faults(DESIGN)
     assert f"at most {size - 1}" in found

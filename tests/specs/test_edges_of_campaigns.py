@@ -4,7 +4,7 @@ import pytest
 
 from hknob_cli.errors import SpecError
 from hknob_cli.specs.campaign import HwRunPlan
-from hknob_cli.specs.driven import limited
+from hknob_cli.specs.drive import limited
 from hknob_cli.specs.load import load_text, validate
 from hknob_cli.specs.plan import (
     Actuator,

@@ -6,12 +6,11 @@ from typing import Any
 import pytest
 
 from hknob_cli.errors import SpecError
-from hknob_cli.specs.conditions import BEST_ESTIMATOR, ChoiceError, narrowed
-from hknob_cli.specs.find_people import _drawn, find_people
-from hknob_cli.specs.grip import same_grip
+from hknob_cli.specs.find_people import Spread, _drawn, draw, find_people
+from hknob_cli.specs.hand import same_grip
+from hknob_cli.specs.hand_from import BEST_ESTIMATOR, ChoiceError, narrowed
 from hknob_cli.specs.identification import ColumnPlan, SysidPlan
 from hknob_cli.specs.load import load_text
-from hknob_cli.specs.people import Spread, draw
 from hknob_cli.specs.plan import SweepPlan
 from hknob_cli.specs.population import PopulationSpec
 from hknob_cli.specs.source import Source

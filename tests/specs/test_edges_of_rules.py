@@ -11,14 +11,14 @@ import pytest
 from pydantic import TypeAdapter, ValidationError
 
 from hknob_cli.errors import SpecError, UsageError
-from hknob_cli.specs import size_limit as limits_of_size
+from hknob_cli.specs import named_file as limits_of_size
 from hknob_cli.specs.capabilities import PARTS as PARTS_OF_TABLE
 from hknob_cli.specs.capabilities import parts_of
 from hknob_cli.specs.declared import declared
-from hknob_cli.specs.electrical import _is_there
+from hknob_cli.specs.drive import _is_there
 from hknob_cli.specs.load import load_text
 from hknob_cli.specs.motor import Cogging
-from hknob_cli.specs.named_file import is_endless
+from hknob_cli.specs.named_file import VARIABLE, is_endless, size_limit
 from hknob_cli.specs.over_angle import Detents, ways_round
 from hknob_cli.specs.parquet import opened
 from hknob_cli.specs.part import model_of
@@ -37,7 +37,6 @@ from hknob_cli.specs.plan import (
     Wall,
 )
 from hknob_cli.specs.promise import _hindrance
-from hknob_cli.specs.size_limit import VARIABLE, size_limit
 from hknob_cli.specs.source import dotted, parse
 from hknob_cli.specs.usual import USUAL, _text, unusual
 from tests.conftest import SPEC

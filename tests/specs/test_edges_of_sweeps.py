@@ -20,8 +20,7 @@ from hknob_cli.specs.plan import (
     may_have,
 )
 from hknob_cli.specs.promise import not_proven
-from hknob_cli.specs.starts import PHASES, StartsSpec, kind_of_starts, plain_starts
-from hknob_cli.specs.sweep import RecordSpec
+from hknob_cli.specs.sweep import PHASES, RecordSpec, StartsSpec, kind_of_starts, plain_starts
 from hknob_cli.specs.unit_points import UnitPoints
 from tests.conftest import SPEC
 from tests.specs.test_edges_of_rules import HAND, wrong

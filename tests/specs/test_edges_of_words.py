@@ -13,13 +13,12 @@ from pydantic.fields import FieldInfo
 from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.specs.campaign import Course, Grip, Person
 from hknob_cli.specs.capabilities import EXACT, PROVEN, REFUSED, parts_of, verdict_of
-from hknob_cli.specs.conditions import label
 from hknob_cli.specs.hand import HandSpec, hand_contradictions
+from hknob_cli.specs.hand_from import label
 from hknob_cli.specs.load import _kind_fault, load, load_text, spec_model, validate
 from hknob_cli.specs.messages import message, shown
 from hknob_cli.specs.named_file import inside
 from hknob_cli.specs.over_angle import EndStops
-from hknob_cli.specs.page_plan import ReportPlan
 from hknob_cli.specs.parquet import why_unreadable
 from hknob_cli.specs.part import _default
 from hknob_cli.specs.perception import Perceive
@@ -27,12 +26,13 @@ from hknob_cli.specs.pipeline import _input_fault
 from hknob_cli.specs.plan import Encoder, Finger, Fingerpad, Hand, Knob, Scene, SweepPlan, Wall
 from hknob_cli.specs.pulses import PulsePlan
 from hknob_cli.specs.refusals import _within
+from hknob_cli.specs.scene_paths import unknown_path
 from hknob_cli.specs.seal import _TAIL, tail_of
 from hknob_cli.specs.source import parse, span_of
+from hknob_cli.specs.stage_plans import ReportPlan
 from hknob_cli.specs.standard_input import STDIN, all_named, given
 from hknob_cli.specs.starter import _comment, _named, starter
-from hknob_cli.specs.starts import RANDOM, StartsSpec
-from hknob_cli.specs.suggest import unknown_path
+from hknob_cli.specs.sweep import RANDOM, StartsSpec
 from hknob_cli.specs.tried import ActingSpec, acting_faults
 from hknob_cli.specs.virtual_apparatus import VirtualSpec
 from tests.conftest import SPEC

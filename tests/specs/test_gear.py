@@ -7,10 +7,10 @@ import pytest
 
 from hknob_cli.errors import SpecError
 from hknob_cli.specs.bench import merged
-from hknob_cli.specs.gear import Gear
-from hknob_cli.specs.geared import ungeared
+from hknob_cli.specs.drive import ungeared
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.motor import Cogging
+from hknob_cli.specs.parts import Gear
 from hknob_cli.specs.plan import (
     COUNTS,
     RATE,

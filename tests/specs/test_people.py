@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import sqrtm
 
-from hknob_cli.specs.people import Spread, draw, spread_of
+from hknob_cli.specs.find_people import Spread, draw, spread_of
 
 MEANS, STDS = (1.3e-7, 3.45e-4, 0.04), (0.5e-7, 0.647e-4, 0.01)
 CORRELATIONS = ((1.0, -0.4, 0.3), (-0.4, 1.0, 0.6), (0.3, 0.6, 1.0))

@@ -12,7 +12,7 @@ from hknob_cli.errors import SpecError
 from hknob_cli.specs import preset
 from hknob_cli.specs.load import load
 from hknob_cli.specs.plan import COUNTS, RATE, Hand
-from hknob_cli.specs.presets_page import page
+from hknob_cli.specs.reference_pages import presets_page
 from hknob_cli.specs.schema import json_schema
 from hknob_cli.specs.source import parse, read
 from hknob_cli.stages.input_files import preset_files, preset_inputs
@@ -235,7 +235,7 @@ def test_every_preset_validates_and_every_number_says_where_it_is_from() -> None
 
 
 def test_the_page_of_presets_is_current() -> None:
-    assert (ROOT / "docs" / "reference" / "presets.md").read_text() == page(), "make schemas"
+    assert (ROOT / "docs" / "reference" / "presets.md").read_text() == presets_page(), "make schemas"
 
 
 def test_presets_ship() -> None:

@@ -8,7 +8,7 @@ from hknob_cli.controllers.scalar_law import LawKnob, make_law
 from hknob_cli.engine.attractors import Attractor, Patience
 from hknob_cli.engine.general.laws.search import LawEngine
 from hknob_cli.engine.jit import compiled
-from hknob_cli.specs.electrical import reduced
+from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.scene import SceneSpec
 from tests.controllers.laws import EVERY
 

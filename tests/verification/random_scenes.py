@@ -42,7 +42,7 @@ from hknob_cli.measure.general_orbit import GeneralMeasurer, LawMeasurer
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
 from hknob_cli.specs.bench import merged
 from hknob_cli.specs.capabilities import TRIALS, engine_of, parts_of
-from hknob_cli.specs.electrical import reduced
+from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.plan import SweepPlan
 from hknob_cli.specs.scene import SceneSpec

@@ -17,7 +17,7 @@ from hknob_cli.engine.general.sets.friction_arc_search import FrictionArcEngine
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.scene.general_knob import sample_general
-from hknob_cli.specs.electrical import reduced
+from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.scene import SceneSpec
 from tests.controllers.laws import EVERY
 from tests.controllers.reference import Rig, law_of

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.scene.trial import simulate
-from hknob_cli.specs.electrical import reduced
+from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.plan import COUNTS, RATE, SweepPlan
 from hknob_cli.specs.scene import SceneSpec

@@ -84,7 +84,7 @@ def intervals(jitter: float, seed: int, trial: int) -> Iterator[Any]:
 
 def knob_of(parts: dict[str, Any], rate: float = 1000.0, counts: int = 1024) -> GeneralKnob:
     """The cell of a scene."""
-    from hknob_cli.specs.electrical import reduced
+    from hknob_cli.specs.drive import reduced
 
     return sample_general(reduced(SceneSpec.model_validate(parts).plain()), sample_rate_hz=rate, counts_per_rev=counts)
 

@@ -21,7 +21,7 @@ from hknob_cli.engine.general.search import as_list
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.measure.general_orbit import LawMeasurer
-from hknob_cli.specs.electrical import reduced
+from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.scene import SceneSpec
 from hknob_cli.stages.sweep.law_record import follow_law
 from tests import digits as mp

@@ -8,8 +8,8 @@ from typing import Any
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.perception.published import other_sets
 from hknob_cli.results.means import extent, one_start
-from hknob_cli.specs.design_plan import Candidate, DesignPlan
 from hknob_cli.specs.plan import PERSON, Bias, Cell, Hand, knob_counts, scene_at
+from hknob_cli.specs.stage_plans import Candidate, DesignPlan
 from hknob_cli.stages.attractor_sizes import sizes_of_result
 from hknob_cli.stages.design.space import Design, cell_of
 from hknob_cli.stages.lag_domain import in_domain

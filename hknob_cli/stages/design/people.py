@@ -5,7 +5,7 @@ from math import inf, isfinite, nan
 from typing import Any, NamedTuple
 
 from hknob_cli.results.means import together
-from hknob_cli.specs.design_plan import DesignPlan, Limit
+from hknob_cli.specs.stage_plans import DesignPlan, Limit
 
 Rows = Sequence[dict[str, Any]]
 ANY = Limit(most_db=0.0, people=0.0, above_present=False)  # where there is no limit

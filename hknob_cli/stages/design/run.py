@@ -13,7 +13,7 @@ import pyarrow as pa
 from hknob_cli.perception.published import doubts
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import RANGED, STEP_DB, Column, axis_column
-from hknob_cli.specs.design_plan import DesignPlan
+from hknob_cli.specs.stage_plans import DesignPlan
 from hknob_cli.spread.cores import usable_cores
 from hknob_cli.spread.forks import Forked, Forks
 from hknob_cli.stages.design.evaluate import Evaluator, Rows, evaluate_one

@@ -5,8 +5,8 @@ from itertools import product
 from math import fsum
 from typing import Any, NamedTuple
 
-from hknob_cli.specs.design_plan import Candidate, Choice, DesignPlan, Value
 from hknob_cli.specs.plan import COUNTS, PERSON, RATE, Cell
+from hknob_cli.specs.stage_plans import Candidate, Choice, DesignPlan, Value
 
 
 class Design(NamedTuple):

@@ -8,7 +8,7 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.results.columns import HEARING, HEARING_DB, RELATIVE_DB, STEP_DB, TOUCH, UNGAINED, Column
-from hknob_cli.specs.remedies_plan import RemediesPlan
+from hknob_cli.specs.stage_plans import RemediesPlan
 
 _REAL, _WHOLE, _TEXT, _FLAG = pa.float64(), pa.int64(), pa.string(), pa.bool_()
 

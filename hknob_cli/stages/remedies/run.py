@@ -11,7 +11,7 @@ from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import RANGED, Column, axis_column
 from hknob_cli.specs.cells import Cells
 from hknob_cli.specs.plan import PERSON
-from hknob_cli.specs.remedies_plan import RemediesPlan, Remedy
+from hknob_cli.specs.stage_plans import RemediesPlan, Remedy
 from hknob_cli.spread.cores import usable_cores
 from hknob_cli.spread.forks import Forked, Forks
 from hknob_cli.stages.lag_domain import has_domain

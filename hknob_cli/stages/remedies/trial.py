@@ -13,7 +13,7 @@ from typing import Any
 
 from hknob_cli.results.means import extent, one_start
 from hknob_cli.specs.plan import PERSON, Bias, Record, Starts, SweepPlan, scene_at
-from hknob_cli.specs.remedies_plan import KNOCKS, RemediesPlan, Remedy
+from hknob_cli.specs.stage_plans import KNOCKS, RemediesPlan, Remedy
 from hknob_cli.stages.attractor_sizes import sizes_of_rows
 from hknob_cli.stages.lag_domain import in_domain
 from hknob_cli.stages.remedies.columns import level_columns

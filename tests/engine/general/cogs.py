@@ -15,7 +15,7 @@ from scipy.linalg import expm
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.cogging import CENTRE, LENGTH, SLOPE
 from hknob_cli.scene.general_knob import make_body, sample_general
-from hknob_cli.specs.electrical import reduced
+from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.scene import SceneSpec
 from tests.verification.general_scenes import TWO_PARTS, scene
 

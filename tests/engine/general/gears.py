@@ -14,7 +14,7 @@ from scipy.linalg import expm
 
 from hknob_cli.engine.general.body import Body
 from hknob_cli.scene.general_knob import sample_general
-from hknob_cli.specs.electrical import reduced
+from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.scene import SceneSpec
 
 Array = NDArray[np.float64]

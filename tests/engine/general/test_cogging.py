@@ -31,7 +31,7 @@ from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.slopes import cog_many
 from hknob_cli.engine.rest import AT_REST, MOVING
 from hknob_cli.scene.general_knob import sample_general
-from hknob_cli.specs.electrical import reduced
+from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.scene import SceneSpec
 from tests.verification.general_scenes import TWO_PARTS, scene
 

@@ -12,7 +12,7 @@ from scipy.linalg import expm
 from hknob_cli.engine.general.body import HELD, RATES, Body, rate_of
 from hknob_cli.engine.general.slide_many import held_bound, sliding_bound
 from hknob_cli.scene.general_knob import sample_general
-from hknob_cli.specs.electrical import reduced
+from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.scene import SceneSpec
 from tests.verification.general_scenes import HEAVY, LIGHT, STIFF, TWO_PARTS, scene
 

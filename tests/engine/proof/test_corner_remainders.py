@@ -23,7 +23,7 @@ from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.orbit_proof import certify
 from hknob_cli.engine.general.search import as_list, make_space
 from hknob_cli.scene.general_knob import sample_general
-from hknob_cli.specs.electrical import reduced
+from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.scene import SceneSpec
 from tests.engine.general.cogs import COIL, LIGHT
 from tests.verification.general_scenes import TWO_PARTS, scene

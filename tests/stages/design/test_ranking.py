@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from hknob_cli.perception.published import Doubt, doubts, other_sets
-from hknob_cli.specs.design_plan import Limit
+from hknob_cli.specs.stage_plans import Limit
 from hknob_cli.stages.design.people import Judged, judge
 from hknob_cli.stages.design.ranking import answer_if, meets, redrawn
 from hknob_cli.stages.design.run import DesignStage

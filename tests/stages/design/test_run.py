@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from hknob_cli.specs.design_plan import DesignPlan, Limit
 from hknob_cli.specs.plan import COUNTS, RATE
+from hknob_cli.specs.stage_plans import DesignPlan, Limit
 from hknob_cli.stages.design.evaluate import Evaluator, Rows, _pushes
 from hknob_cli.stages.design.people import above, exceeded_by, judge, level
 from hknob_cli.stages.design.run import DesignStage

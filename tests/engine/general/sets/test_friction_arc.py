@@ -35,7 +35,7 @@ from hknob_cli.engine.general.sets.friction_arc_search import (
 )
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
-from hknob_cli.specs.electrical import reduced
+from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.scene import SceneSpec
 from tests.engine.general.bodies import knob
 from tests.verification.general_scenes import HEAVY, RINGING, STIFF, TWO_PARTS

@@ -20,7 +20,7 @@ from hknob_cli.engine.general.sets.friction_room import can_rub, plane_of
 from hknob_cli.engine.general.sets.law_search import LawSetEngine, LawStatesEngine
 from hknob_cli.engine.general.sets.search import GeneralSetEngine
 from hknob_cli.engine.outcome import Outcome, Reason
-from hknob_cli.specs.electrical import reduced
+from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.scene import SceneSpec
 from tests.controllers.laws import EVERY
 from tests.engine.general.law_runs import states_with_law

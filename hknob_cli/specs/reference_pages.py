@@ -1,6 +1,7 @@
-"""docs/reference/capabilities.md, made of the table of `specs.capabilities`."""
+"""Pages of docs/reference that specs are the source of: what goes with what, and the presets that ship."""
 
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 from hknob_cli.specs.capabilities import (
     APART,
@@ -21,6 +22,7 @@ from hknob_cli.specs.capabilities import (
     reason,
 )
 from hknob_cli.specs.capability_reasons import SETS
+from hknob_cli.specs.preset import names, read_preset
 
 TITLES = {
     "phases": "so many phases of one start",
@@ -58,7 +60,7 @@ def verdict_for_starts(part: str, starts: str) -> str:
     return found
 
 
-def page() -> str:
+def capabilities_page() -> str:
     """The text of docs/reference/capabilities.md."""
     return "\n".join(_lines()) + "\n"
 
@@ -104,3 +106,40 @@ def _table(titles: list[str], letters: Callable[[str], list[str]]) -> Iterator[s
     for part, row in PARTS.items():
         words = ["**proven**" if one == PROVEN else WORDS[one] for one in letters(part)]
         yield f"| {row.title} | {' | '.join(words)} |"
+
+
+_PRESETS_HEAD = """\
+# Presets
+
+This page is made from the files in `data/knobs/` (`make schemas`). `scene: {from: smartknob}` starts a scene from one
+of them; what the spec says beside `from` is merged over it, and `null` removes a part. A grid without a sample rate
+or counts takes the preset's. `hknob check SPEC.yaml` prints these lines for the preset that a spec uses, without the
+values that it overrides. [Which of these knobs buzz](../explanation/knobs.md) is computed there.
+
+A file of your own works too: `scene: {from: ./my_knob.yaml}`, relative to the spec. It has `title`, `about`, `scene`,
+`grid` and `left_out` as the files in `data/knobs/` do. A value stands there with a `source` or with what is `assumed`,
+or bare.
+"""
+
+
+def presets_page() -> str:
+    """The page as Markdown."""
+    return "\n".join([_PRESETS_HEAD, *(line for name in names() for line in _section(name))])
+
+
+def _section(name: str) -> Iterator[str]:
+    preset = read_preset(name, Path()).preset
+    yield f"## {name}"
+    yield ""
+    yield f"{preset.title}. From: {preset.about}."
+    yield ""
+    yield "| number | value | source, or what is assumed |"
+    yield "|---|---|---|"
+    for one in preset.values:
+        said = f"**assumed**: {one.assumed}" if one.assumed else one.source
+        yield f"| `{one.path.partition('.')[2]}` | {one.value} | {said} |"
+    yield ""
+    yield "Left out:"
+    yield ""
+    yield from (f"- {' '.join(one.split())}" for one in preset.left_out)
+    yield ""
