@@ -91,9 +91,7 @@ SMALL = {
     "page/contents.py": "reads a format of its own, which the program only quotes",
     "scene/random_starts.py": "used by the plain and the general engine, of which it loads neither",
     "spread/cores.py": "a sweep asks for the cores before it loads anything that spreads work",
-    "stages/sweep/expected.py": "a guess before any cell runs, which the cells do not need",
     "stages/job.py": "the process that parses makes a job without loading the work",
-    "theory/bounded_lag.py": "the derivation of a rule; stages ask by scene",
 }
 
 

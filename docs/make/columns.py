@@ -55,8 +55,8 @@ _FILES: dict[str, tuple[tuple[str, str, str], ...]] = {
     ),
     "`predict`: passivity.parquet": (("always", _PREDICT, "PASSIVITY"), ("a hand", _PREDICT, "WITH_HAND")),
     "`predict`: criteria.parquet, with `criteria`": (
-        ("always", "hknob_cli.stages.predict.criteria", "COLUMNS"),
-        ("a sweep to compare with", "hknob_cli.stages.predict.criteria", "AGAINST"),
+        ("always", "hknob_cli.stages.predict.run", "CRITERIA"),
+        ("a sweep to compare with", "hknob_cli.stages.predict.run", "AGAINST"),
     ),
     "`dfa`, `predict`: differences.parquet, with `against`": (("always", "hknob_cli.stages.compare", "_STATISTICS"),),
     "`remedies`: remedies.parquet, and cases.parquet": (
@@ -103,8 +103,8 @@ _FILES: dict[str, tuple[tuple[str, str, str], ...]] = {
         ("`remedies`", _HW, "TRIED"),
     ),
     "`hw-run`: trials.parquet, with `what: pulses`": (
-        ("always", "hknob_cli.results.pulse_files", "PULSE_TRIALS"),
-        ("a virtual device", "hknob_cli.results.pulse_files", "TRUTH"),
+        ("always", "hknob_cli.results.campaign_files", "PULSE_TRIALS"),
+        ("a virtual device", "hknob_cli.results.campaign_files", "TRUTH"),
     ),
     "`hw-run`: remedies.parquet, with `remedies`": (
         ("always", "hknob_cli.stages.hw_run.remedies", "MEASURED"),

@@ -14,8 +14,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from hknob_cli.page.claims.ledger import Claim, load_ledger
-from hknob_cli.page.claims.places import places
+from hknob_cli.page.claims.ledger import Claim, load_ledger, places
 from hknob_cli.specs import source
 
 _ROOT = Path(__file__).parent.parent.parent

@@ -5,8 +5,7 @@ from dataclasses import replace
 from typing import Literal, NamedTuple
 
 from hknob_cli.apparatus.hand import Hand, SecondOrder, split
-from hknob_cli.apparatus.hand_recording import PEAK_RAD, record_trial, scaled_pulse
-from hknob_cli.apparatus.inputs import scaled_input
+from hknob_cli.apparatus.hand_recording import PEAK_RAD, record_trial, scaled_input, scaled_pulse
 from hknob_cli.apparatus.people import EXPERIMENTS, Place, Variation, grips, mean_hand, numbers, trial_hand
 from hknob_cli.apparatus.rig import Rig
 from hknob_cli.apparatus.streams import Purpose, stream

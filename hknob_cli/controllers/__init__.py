@@ -3,7 +3,6 @@
 - one file a controller, with its source
 - `controller` what a controller is
 - `scalar_law` one of them in a cell, as the compiled general loop runs it
-- `fading_pair` two numbers of a memory that fade together
 
 The functions are in `engine.general.laws`, and so are the proofs; all starts at once are in `engine.general.sets`.
 """

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.sheet import save
-from hknob_cli.report.remedies_over import over_axis
-from hknob_cli.report.remedies_words import said
+from hknob_cli.report.remedies import over_axis, said
 from hknob_cli.results.result_set import MissingError, ResultSet, Rows
 
 if TYPE_CHECKING:

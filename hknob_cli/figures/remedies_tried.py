@@ -7,7 +7,7 @@ import numpy as np
 
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.remedies import plain_numbers
-from hknob_cli.report.remedies_tried import over_the_trials
+from hknob_cli.report.remedies import over_the_trials
 from hknob_cli.results.result_set import MissingError, ResultSet, Rows
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from hknob_cli.errors import SpecError, UsageError
-from hknob_cli.hardware.nuisances import Nuisances
+from hknob_cli.hardware.knob_motion import Nuisances
 from hknob_cli.hardware.order import USUAL_GRIP_N, Trial, period_ns, trials_of
 from hknob_cli.hardware.port import Device, Simulated
 from hknob_cli.specs.campaign import REPLAY, VIRTUAL, HwRunPlan, Knob
@@ -63,7 +63,7 @@ def _build_folder(stack: ExitStack) -> Path:
 def who_of(plan: HwRunPlan | PulsePlan) -> Who:
     """Who holds the knob in a trial, and what knob it is, where the device is simulated."""
     if isinstance(plan, PulsePlan):
-        from hknob_cli.hardware.pulse_person import squeezer
+        from hknob_cli.hardware.person import squeezer
 
         return partial(squeezer, plan)
     from hknob_cli.hardware.person import Person, hold

@@ -95,7 +95,7 @@ def settings_of(plan: HwRunPlan | PulsePlan, trial: Trial) -> Settings:
     """What the device is told for a trial."""
     block = round(trial.sample_rate_hz * BLOCK_S)
     if isinstance(plan, PulsePlan):
-        from hknob_cli.hardware.pulse_person import order_of
+        from hknob_cli.hardware.person import order_of
 
         return Settings(
             period_ns=period_ns(trial.sample_rate_hz),
@@ -124,7 +124,7 @@ def settings_of(plan: HwRunPlan | PulsePlan, trial: Trial) -> Settings:
 
         settings = settings._replace(converters=converters_of(acts.encoder, acts.actuator))
     if plan.effects:
-        from hknob_cli.hardware.over_angle import over_angle_of
+        from hknob_cli.hardware.control import over_angle_of
 
         return settings._replace(over_angle=over_angle_of(plan.effects, settings))
     if acts.controller is None:

@@ -11,10 +11,9 @@ from math import tau
 import numpy as np
 
 from hknob_cli.hardware.grip_trigger import GripTrigger, Phase
-from hknob_cli.hardware.knob_motion import KnobMotion
-from hknob_cli.hardware.nuisances import Nuisances
+from hknob_cli.hardware.knob_motion import KnobMotion, Nuisances
+from hknob_cli.hardware.person import grip_of, squeezing_hand
 from hknob_cli.hardware.port import Array, Block, PulseOrder, Settings, Simulated, Squeeze
-from hknob_cli.hardware.pulse_person import grip_of, hand_at
 from hknob_cli.hardware.trial_wall import Sent
 from hknob_cli.hardware.virtual import VirtualLoop, as_single
 
@@ -44,7 +43,7 @@ class PulsedKnob:
 
     def take(self, squeeze: Squeeze, grip_n: float) -> None:
         """Let the hand at this grip hold it from now on."""
-        hand = hand_at(squeeze, grip_n)
+        hand = squeezing_hand(squeeze, grip_n)
         self._simulated = self._simulated._replace(**hand._asdict())
         self._motion = KnobMotion(
             self._simulated,

@@ -18,7 +18,7 @@ from hknob_cli.hardware.safety import undisturbed
 from hknob_cli.hardware.wire.answers import Abilities, About, Ack
 from hknob_cli.hardware.wire.codes import STATUS_TEXT, TRIP_TEXT, Kind, State, Status
 from hknob_cli.hardware.wire.commands import Command, Plain, Zero
-from hknob_cli.hardware.wire.frame import nobody_text
+from hknob_cli.hardware.wire.messages import nobody_text
 from hknob_cli.hardware.wire.pump import Pump, open_port
 from hknob_cli.hardware.wire.sending import Sent, differences, told_of
 from hknob_cli.hardware.wire.session import Session

@@ -12,10 +12,9 @@ from typing import NamedTuple, Protocol
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.order import Trial
 from hknob_cli.hardware.port import Block, Device, Drift, Settings, Simulated, Torque
-from hknob_cli.hardware.pulse_phases import PulsePhases
 from hknob_cli.hardware.safety import LimitMonitor, undisturbed
 from hknob_cli.hardware.sample_clock import SampleClock, drift_fault
-from hknob_cli.hardware.trial_phases import Ended, TrialPhases
+from hknob_cli.hardware.trial_phases import Ended, PulsePhases, TrialPhases
 from hknob_cli.specs.campaign import Course
 from hknob_cli.specs.pulses import PulseCourse, Pulses
 

@@ -6,11 +6,9 @@ Source: docs/reference/wire.md, "What a target does": count, wall or what acts i
 from math import isfinite, tau
 from typing import NamedTuple, Protocol
 
-from hknob_cli.hardware.control import ControlledWall, begins_of
-from hknob_cli.hardware.converters import NONE, Conversion
-from hknob_cli.hardware.over_angle import ShapedWall
+from hknob_cli.hardware.control import ControlledWall, ShapedWall, begins_of
+from hknob_cli.hardware.converters import NONE, Conversion, TorqueLine
 from hknob_cli.hardware.port import Settings
-from hknob_cli.hardware.torque_line import TorqueLine
 
 
 class Acting(Protocol):

@@ -18,8 +18,7 @@ import numpy as np
 
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.control import looks_of, senses_speed
-from hknob_cli.hardware.knob_motion import KnobMotion
-from hknob_cli.hardware.nuisances import Disturbances, Nuisances
+from hknob_cli.hardware.knob_motion import Disturbances, KnobMotion, Nuisances
 from hknob_cli.hardware.port import Array, Block, ComputedDevice, Counts, Identity, Settings, Simulated, Sine
 from hknob_cli.hardware.ranges import faults_of_settings, faults_of_simulated
 from hknob_cli.hardware.trial_wall import Sent, TrialWall

@@ -2,8 +2,7 @@
 
 - `motion`, `prepare` (align, smooth, differentiate)
 - `least_squares`, `output_error`, `fourth_order` (`finger_network`)
-- `readings`, `covariance`, `profile`, `fit` how sure
-- `start` where a search begins
+- `second_order` where a search begins, `nearest` how it goes on, `fit` how sure
 - `identified` from fits to a person
 - `calibration`
 - `studies` what the estimators are worth

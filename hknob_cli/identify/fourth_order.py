@@ -12,14 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from hknob_cli.identify.covariance import condition, widen
 from hknob_cli.identify.finger_network import FINGER_INERTIA, ORDER, respond_with_slopes, split
-from hknob_cli.identify.fit import Estimate, Fit, blank, misfit, unidentified, vaf, whiteness
-from hknob_cli.identify.levenberg import Minimum
+from hknob_cli.identify.fit import Estimate, Fit, blank, condition, misfit, unidentified, vaf, whiteness, widen
 from hknob_cli.identify.motion import Motion
-from hknob_cli.identify.nearest import Nearest, cost, nearest
+from hknob_cli.identify.nearest import Minimum, Nearest, cost, nearest, spread
 from hknob_cli.identify.output_error import output_error
-from hknob_cli.identify.profile import spread
 from hknob_cli.recordings.trial import Array
 
 NAME = "fourth_order"

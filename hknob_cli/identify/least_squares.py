@@ -13,21 +13,22 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.errors import UsageError
-from hknob_cli.identify.covariance import cautious, of_all, widen
 from hknob_cli.identify.fit import (
     PARAMETERS,
     Fit,
     blank,
+    cautious,
     doubts,
     estimated,
     misfit,
+    of_all,
     unidentified,
     vaf,
     whiteness,
+    widen,
 )
 from hknob_cli.identify.motion import Motion
-from hknob_cli.identify.second_order import Plant, respond_with_slopes
-from hknob_cli.identify.start import best_motion
+from hknob_cli.identify.second_order import Plant, best_motion, respond_with_slopes
 from hknob_cli.recordings.trial import Array
 
 NAME, FRICTION_NAME, ACCELERATION_NAME = "least_squares", "least_squares_friction", "least_squares_acceleration"

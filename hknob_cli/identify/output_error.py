@@ -12,13 +12,22 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hknob_cli.identify.covariance import of_all, widen
-from hknob_cli.identify.fit import PARAMETERS, Fit, blank, doubts, estimated, misfit, unidentified, vaf, whiteness
-from hknob_cli.identify.levenberg import Minimum
+from hknob_cli.identify.fit import (
+    PARAMETERS,
+    Fit,
+    blank,
+    doubts,
+    estimated,
+    misfit,
+    of_all,
+    unidentified,
+    vaf,
+    whiteness,
+    widen,
+)
 from hknob_cli.identify.motion import Motion
-from hknob_cli.identify.nearest import cost, nearest
-from hknob_cli.identify.second_order import Plant, Start, respond_with_slopes
-from hknob_cli.identify.start import Begin, integrated_start, running_starts
+from hknob_cli.identify.nearest import Minimum, cost, nearest
+from hknob_cli.identify.second_order import Begin, Plant, Start, integrated_start, respond_with_slopes, running_starts
 from hknob_cli.recordings.trial import Array
 
 NAME = "output_error"

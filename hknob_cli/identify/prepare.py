@@ -7,8 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.identify.align import Aligned, UnusableError, align, even, interval
-from hknob_cli.identify.motion import Motion, differentiate, smooth
-from hknob_cli.identify.readings import encoder_step
+from hknob_cli.identify.motion import Motion, differentiate, encoder_step, smooth
 from hknob_cli.recordings.health import flags, running_flags
 from hknob_cli.recordings.trial import Array, Trial
 

@@ -3,5 +3,4 @@
 - `answers` what each result answers, and the numbers that come first; `contents` of the text that claims are about
 - `compose` from plan and results to `book`, plain values, with sound clips of cycles that have settled
 - `layout`, `template/` the HTML
-- `defaults` where a spec lists nothing
 """

@@ -9,12 +9,11 @@ from hknob_cli.errors import MISSHAPEN, UsageError
 from hknob_cli.page.book import Tile
 from hknob_cli.report.bench import equal_error
 from hknob_cli.report.dfa import largest_cycles
+from hknob_cli.report.hw_run import describe_pulses, pulses_verdict
 from hknob_cli.report.large import varying
 from hknob_cli.report.passive import passive_verdict
 from hknob_cli.report.population import describe_people
-from hknob_cli.report.pulses import describe_pulses, pulses_verdict
-from hknob_cli.report.remedies_over import over_the_grid
-from hknob_cli.report.remedies_tried import over_the_trials, tried_verdict
+from hknob_cli.report.remedies import over_the_grid, over_the_trials, tried_verdict
 from hknob_cli.report.table import short
 from hknob_cli.report.verdicts import (
     Buzz,

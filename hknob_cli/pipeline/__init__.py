@@ -3,9 +3,8 @@
 - `build` pytask asked, its answer read
 - `verify` whether files are as they were written
 - `fresh` whether there is anything to do, without loading it
-- `found` what a stage has found, in the line that says that it is done
 - `one_claim` the stages that one claim of its page needs, and the verdict
-- `steps` from a pipeline's plan to stages with their files
+- `steps` from a pipeline's plan to stages with their files, and what each has found
 - `nodes` a stage and its files, as pytask's protocols want them
 - `side_by_side` stages that need nothing of one another, made by several processes
 

@@ -10,8 +10,7 @@ from typing import Any, NamedTuple
 
 from hknob_cli.errors import UsageError
 from hknob_cli.page.claims.checks import known
-from hknob_cli.page.claims.ledger import Claim, Ledger, load_ledger
-from hknob_cli.page.claims.places import places
+from hknob_cli.page.claims.ledger import Claim, Ledger, load_ledger, places
 from hknob_cli.page.claims.text import claim_text
 from hknob_cli.page.claims.verdict import judge_claim
 from hknob_cli.pipeline.steps import plan_of

@@ -1,16 +1,17 @@
-"""From the plan of a pipeline to its steps: each stage's spec loaded and checked, its files known, ready to run."""
+"""From the plan of a pipeline to its steps, and what each stage has found."""
 
 import contextlib
 import copy
 import json
+import re
 import time
+from collections import Counter
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from hknob_cli.errors import Fault, SpecError, UsageError
-from hknob_cli.pipeline.found import done
+from hknob_cli.errors import Fault, HknobError, SpecError, UsageError
 from hknob_cli.pipeline.fresh import spec_digest
 from hknob_cli.pipeline.nodes import Step
 from hknob_cli.pipeline.side_by_side import SideBySide, Task
@@ -21,10 +22,53 @@ from hknob_cli.specs.named_file import open_named
 from hknob_cli.specs.plan import Plan
 from hknob_cli.specs.stage_plans import PipelinePlan, ReportPlan, StagePlan
 from hknob_cli.specs.standard_input import as_typed, is_stdin
-from hknob_cli.stages.input_files import hand_files
 from hknob_cli.stages.job import Job, work_of
 from hknob_cli.stages.make import make
-from hknob_cli.stages.work import Work
+from hknob_cli.stages.work import Work, hand_files
+
+if TYPE_CHECKING:
+    from hknob_cli.results.result_set import Result
+
+_MOST = 2  # sentences
+_BETWEEN = re.compile(r"(?<=\.) (?=[A-Z])")
+
+
+def done(stage: str, folder: Path, begin: float) -> str:
+    """That a stage was computed, in how long since ``begin`` (s of `time.perf_counter`), and what it has found."""
+    took = f"computed in {time.perf_counter() - begin:.2g} s"
+    found = found_in(stage, folder)
+    return f"{took}. {found}" if found else took
+
+
+def found_in(stage: str, folder: Path) -> str:
+    """The answer of the results in a folder, or its first sentences; empty if there is none.
+
+    Results that cannot be read have none: they are written, and whoever needs them says what is wrong.
+    """
+    from hknob_cli.page.answers import checked
+    from hknob_cli.results.result_set import Result
+
+    result = Result(stage, folder)
+    with contextlib.suppress(HknobError):
+        if not result.files:
+            return ""
+        if result.stage == "report":
+            return _judged(result)
+        answers = checked(result)
+        if result.stage == "dfa":
+            answers = answers[-1:]  # the exact method, where it was asked for
+        return " ".join(_BETWEEN.split(" ".join(answers[:1]))[:_MOST])
+    return ""
+
+
+def _judged(result: "Result") -> str:
+    """How many claims of a text have which verdict."""
+    from hknob_cli.page.claims.verdict import VERDICTS
+
+    counts = Counter(row["verdict"] for row in result.rows("claims"))
+    said = ", ".join(f"{counts[verdict]} {verdict}" for verdict in VERDICTS if counts[verdict])
+    return f"Of {sum(counts.values())} claims: {said}."
+
 
 _MANY = "results"  # of a report: results by name, also where there is one
 _RECORDED = "recordings"  # of an identification: begin at the folder of its spec

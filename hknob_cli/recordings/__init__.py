@@ -3,6 +3,6 @@
 - `trial` and its torque pulse
 - `read` with the row of every fault, `write`
 - `health` what is doubtful
-- `calibration`
+- `files` batches of rows, and readings of a calibration
 - `measured_cycle` whether a trial buzzes, and how large, `spectrum` its pitch and harmonics
 """

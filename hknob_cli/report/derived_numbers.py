@@ -28,9 +28,9 @@ from hknob_cli.specs.plan import (
     scene_at,
 )
 from hknob_cli.specs.squeeze import DECIDING
-from hknob_cli.theory.bounded_lag import best_keep, slowness
 from hknob_cli.theory.laws import working_edge
 from hknob_cli.theory.passivity import needed_damping
+from hknob_cli.theory.staircase import best_keep, slowness
 
 MOST_COMBINATIONS = 4096  # of values that one number depends on; of more, only the ends of each axis are taken
 _WHOLE = (GRIP, PERSON, "actuator.delay_samples")  # axes over which a number need not go up or down throughout

@@ -3,8 +3,8 @@
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any, NamedTuple
 
+from hknob_cli.report.sweep_words import every_clock_text, jitter_text, of_cells, range_text, rattle_text
 from hknob_cli.report.table import short
-from hknob_cli.report.unrepeated import every_clock_text, jitter_text, of_cells, range_text, rattle_text
 
 Row = Mapping[str, Any]
 RECORDED = ", in the trials recorded"

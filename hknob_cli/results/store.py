@@ -1,4 +1,4 @@
-"""The results folder: one writer at a time, files whole or not at all, nothing of another origin overwritten."""
+"""The results folder: what it holds, one writer at a time, files whole or not at all."""
 
 import contextlib
 from collections.abc import Iterable, Iterator
@@ -8,7 +8,6 @@ import pyarrow as pa
 
 from hknob_cli.errors import ComputationError, RefusedError, unwritable
 from hknob_cli.results.files import create, make_folder, make_folders, sync, sync_folder
-from hknob_cli.results.folder import of_another
 from hknob_cli.results.parted import (
     Parted,
     aside,
@@ -18,12 +17,64 @@ from hknob_cli.results.parted import (
     read_parted,
     read_result,
     result_file,
+    result_schema,
     set_aside,
 )
 from hknob_cli.results.provenance import KEY, SIGNATURE, is_marked, marked_origin, origin, picture_origin
+from hknob_cli.results.staging import kind_of, staged
 from hknob_cli.specs.parquet import NotTextError, schema_of
 from hknob_cli.specs.seal import KEY as SEAL
 from hknob_cli.specs.seal import is_changed, sealed
+
+Origin = tuple[str, str]  # stage and name
+_RECORDED = ("recording", "campaign.json")  # of a campaign, finished or not
+
+
+def refuse_mixed(out: Path, *, stage: str, name: str) -> None:
+    """Raise `RefusedError` if a folder has results of another kind or name, though none would be overwritten.
+
+    Files that are not of this program may lie there.
+    """
+    for path, found in _results_in(out):
+        if found != (stage, name):
+            raise RefusedError(_advice(f"{path}: holds the {found[0]} '{found[1]}'", out, name))
+    for kind in sorted({kind_of(folder) for folder in staged(out)} - {stage}):
+        raise RefusedError(_advice(f"{out}: holds what a {kind} that was cut short has finished", out, name))
+    if stage != "hw-run" and out.joinpath(*_RECORDED).is_file():
+        raise RefusedError(_advice(f"{out / _RECORDED[0]}: holds the recordings of a campaign", out, name))
+
+
+def of_another(path: Path, found: Origin, name: str) -> RefusedError:
+    """That the file at ``path``, where results of ``name`` would go, is of other results."""
+    return RefusedError(_advice(f"{path}: holds the {found[0]} '{found[1]}'", path.parent, name))
+
+
+def _advice(what: str, folder: Path, name: str) -> str:
+    advice = f"choose another --out for '{name}', or move what is in {folder} away"
+    return f"{what}; results of another kind or name are never put beside it: {advice}"
+
+
+def _results_in(out: Path) -> Iterator[tuple[Path, Origin]]:
+    """Results of this program in a folder, with what they are of; no links, and nothing that cannot be read."""
+    for path in sorted(out.glob("*.*")):
+        if path.is_symlink() or not (path.is_file() or path.is_dir()):
+            continue
+        try:
+            found = _result_origin(path)
+        except (OSError, pa.ArrowException):
+            continue
+        if found is not None:
+            yield path, found
+
+
+def _result_origin(path: Path) -> Origin | None:
+    """Stage and name that a result was written for. Raises `OSError`, `pa.ArrowException`."""
+    if path.suffix == ".parquet":
+        return origin(result_schema(path).metadata)
+    if path.suffix == ".html" and path.is_file():
+        return marked_origin(path)
+    return picture_origin(path) if path.suffix == ".png" and path.is_file() else None
+
 
 LOCK = ".hknob.lock"
 _PARTIAL = ".partial"

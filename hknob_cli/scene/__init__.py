@@ -1,6 +1,6 @@
 """Scenes reduced to the smallest set of numbers that the engine runs on.
 
-- `sampled_knob`: one cell, dimensionless (counts and sample periods), `sampled_cells` many at once
+- `sampled_knob`: one cell, dimensionless (counts and sample periods), or many at once
 - `general_knob`: one with more in it; `general_body` what moves, `increments` of its linear motion
 - `trial`: one trial, sample by sample
 - `random_starts` drawn where not all can be followed

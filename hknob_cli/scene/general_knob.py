@@ -14,8 +14,7 @@ from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.torque_table import HEAD, RISE_BELOW, TURN
 from hknob_cli.errors import ComputationError
 from hknob_cli.scene.general_body import make_body, turns_of
-from hknob_cli.scene.torque_curve import curve_of
-from hknob_cli.scene.torque_over_angle import Clock, is_shaped, table_of
+from hknob_cli.scene.torque_over_angle import Clock, curve_of, is_shaped, table_of
 from hknob_cli.specs.parts import SampleClock
 from hknob_cli.specs.plan import Actuator, Encoder, Hand, Scene
 

@@ -41,7 +41,7 @@ class MotionPlan(NamedTuple):
 
 
 class InputPlan(NamedTuple):
-    """A torque in place of the pulse (`apparatus.inputs`); frequencies of a sine (the first) and a chirp; chips."""
+    """A torque in place of the pulse (`apparatus.hand_recording`): frequencies of a sine (the first), chirp; chips."""
 
     kind: str
     duration_s: float

@@ -1,7 +1,6 @@
 """The stages of the pipeline: spec in, result tables out.
 
 - `job` what to run, `work` what differs between stages, `make` what is the same: compute or reuse, write, draw
-- `input_files` what results depend on beside a spec
 - of several stages: `compare` with a sweep, `lag_domain` where the bounded lag helps, `attractor_sizes` size and
   pitch of a cell
 

@@ -1,7 +1,7 @@
 """A spec to go on with, from that of a sweep or of remedies: the same knob, hand, grid and starts, asked anew.
 
 The values stand as their author wrote them. What a trial of remedies tries, and what a design chooses from, are in
-proportion to the knob; the part that a bounded lag keeps is that of its rule (`theory.bounded_lag`).
+proportion to the knob; the part that a bounded lag keeps is that of its rule (`theory.staircase`).
 """
 
 import math
@@ -17,7 +17,7 @@ from hknob_cli.specs.load import apply_overrides, load, validate
 from hknob_cli.specs.messages import unknown
 from hknob_cli.specs.plan import COUNTS, RATE, Hand, Scene, SweepPlan
 from hknob_cli.specs.standard_input import is_stdin
-from hknob_cli.theory.bounded_lag import best_keep, slowness
+from hknob_cli.theory.staircase import best_keep, slowness
 
 FROM = ("sweep", "remedies")  # kinds that a spec can begin from
 _TIME_CONSTANT_S = 0.2

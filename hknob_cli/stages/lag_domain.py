@@ -5,7 +5,7 @@ from itertools import product
 
 from hknob_cli.report.derived_numbers import body
 from hknob_cli.specs.plan import GRIP, PERSON, Scene, SweepPlan, scene_at
-from hknob_cli.theory.bounded_lag import best_keep, slowness
+from hknob_cli.theory.staircase import best_keep, slowness
 
 LAG = "bounded_lag"
 

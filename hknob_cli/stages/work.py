@@ -1,14 +1,71 @@
-"""What a stage does: the parts of its work, which differ between stages, and what several of them share."""
+"""What a stage does: the parts of its work, the files that it reads, and what several stages share."""
 
+import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from hknob_cli.results import provenance
 from hknob_cli.results.versions import grid_versions
+from hknob_cli.specs.parts import Origin
+from hknob_cli.specs.plan import Hand
 from hknob_cli.stage_table import STAGES
-from hknob_cli.stages.input_files import preset_files
 from hknob_cli.stages.job import Job
 from hknob_cli.terminal import say
+
+
+def _measured(plan: Any) -> Iterator[tuple[Hand, Origin]]:
+    """Hands of a plan that say where they are from."""
+    scenes = (one.scene for one in plan.scenes) if hasattr(plan, "scenes") else (getattr(plan, "scene", None),)
+    for scene in scenes:
+        if scene is not None and scene.hand is not None and scene.hand.origin is not None:
+            yield scene.hand, scene.hand.origin
+
+
+def hand_files(plan: Any) -> tuple[Path, ...]:
+    """Files that the hands of a plan are from, each once."""
+    return tuple(dict.fromkeys(origin.file for _, origin in _measured(plan) if origin.file))
+
+
+def hand_inputs(plan: Any) -> dict[str, str]:
+    """Digests of the files, the numbers of the hand, which a spec with a file does not say, and what was said of them.
+
+    Numbers are JSON with inertia, damping and stiffness in SI units, as `ResultSet.scene` reads them.
+    """
+    said = {"hand_notes": " ".join(hand_notes(plan))} if hand_notes(plan) else {}
+    return {**_digests(plan), **said}
+
+
+def _digests(plan: Any) -> dict[str, str]:
+    found = {origin.sha256: hand for hand, origin in _measured(plan) if origin.file}
+    if not found:
+        return {}
+    if hasattr(plan, "scenes") or len(found) > 1:
+        return {f"hand_{i}_sha256": digest for i, digest in enumerate(sorted(found), start=1)}
+    (digest, hand), *_ = found.items()
+    if hand.by_person:
+        return {"population_sha256": digest}
+    by_grip = {grip: list(one[:3]) for grip, one in hand.by_grip}
+    numbers = {"inertia": hand.inertia, "damping": hand.damping, "stiffness": hand.stiffness}
+    return {"hand_sha256": digest, "hand": json.dumps({**numbers, **({"by_grip": by_grip} if by_grip else {})})}
+
+
+def hand_notes(plan: Any) -> tuple[str, ...]:
+    """Messages, each once."""
+    return tuple(dict.fromkeys(text for _, origin in _measured(plan) for text in origin.notes))
+
+
+def preset_inputs(plan: Any) -> dict[str, str]:
+    """Name and digest of the preset that the scene of a plan is from; none where it is from none."""
+    preset = getattr(plan, "preset", None)
+    return {"preset": preset.name, "preset_sha256": preset.sha256} if preset else {}
+
+
+def preset_files(plan: Any) -> tuple[Path, ...]:
+    """The file of that preset."""
+    preset = getattr(plan, "preset", None)
+    return (preset.file,) if preset else ()
+
 
 Tables = tuple[Any, ...]  # of pa.Table, or results.parted.Parted
 

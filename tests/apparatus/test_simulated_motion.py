@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from hknob_cli.apparatus.hand import SecondOrder, split, static_stiffness
+from hknob_cli.apparatus.hand import SecondOrder, follow, increment, increments, mechanism, split, static_stiffness
 from hknob_cli.apparatus.hand_recording import scaled_pulse
 from hknob_cli.apparatus.people import EXPERIMENTS, grips, mean_hand
-from hknob_cli.apparatus.simulated_motion import follow, increment, increments, mechanism
 from hknob_cli.engine.general.advance import advance_span
 from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.specs.plan import Actuator, Finger, Fingerpad, Knob, Scene, Wall

@@ -11,9 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from hknob_cli.cli import ask
-from hknob_cli.cli.ask import Interview, interview
-from hknob_cli.cli.new import _text
+from hknob_cli.cli import new
+from hknob_cli.cli.new import Interview, _text, interview
 from hknob_cli.errors import SpecError
 from hknob_cli.specs.load import load, load_pipeline
 from hknob_cli.specs.starter import own_starter, questions, refuse, starter
@@ -208,7 +207,7 @@ def test_only_a_person_is_asked(lacks: str | None, monkeypatch: pytest.MonkeyPat
     monkeypatch.setenv("CI", "true" if lacks == "CI" else "")
     for name in ("stdin", "stdout", "stderr"):
         monkeypatch.setattr(sys, name, Stream(name != lacks))
-    assert ask.at_terminal() is (lacks is None)
+    assert new.at_terminal() is (lacks is None)
 
 
 def test_nothing_is_asked_elsewhere(hknob) -> None:

@@ -9,7 +9,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from hknob_cli.pipeline.found import found_in
+from hknob_cli.pipeline.steps import found_in
 from tests.conftest import SPEC
 
 PREDICT = SPEC.replace("kind: sweep", "kind: predict").replace("name: small", "name: laws").partition("starts:")[0]

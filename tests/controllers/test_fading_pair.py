@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hknob_cli.controllers.fading_pair import is_proven, make_pair
+from hknob_cli.controllers.estimated_velocity import is_proven, make_pair
 from hknob_cli.controllers.scalar_law import make_law
 from hknob_cli.engine.general.laws.cascade import faded, settle_faded, torques_apart
 from hknob_cli.engine.general.laws.law import PAIR

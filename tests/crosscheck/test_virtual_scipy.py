@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from hknob_cli.hardware.nuisances import Nuisances
+from hknob_cli.hardware.knob_motion import Nuisances
 from hknob_cli.hardware.port import Settings, Simulated, Sine
 from tests.hardware.trials import FRICTION, HAND, settings, virtual_trial
 

@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 from hknob_cli.errors import MOST_FAULTS, SpecError, UsageError
-from hknob_cli.recordings.calibration import read_columns
-from hknob_cli.recordings.files import NotReadableError, RecordingFile
+from hknob_cli.recordings.files import NotReadableError, RecordingFile, read_columns
 from hknob_cli.results.files import digest
 from hknob_cli.results.parted import read_result, result_schema
 from hknob_cli.specs import named_file

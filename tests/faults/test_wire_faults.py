@@ -24,8 +24,7 @@ from hknob_cli.hardware.wire import pump
 from hknob_cli.hardware.wire.acts import Piece, Table
 from hknob_cli.hardware.wire.codes import ALL_LAWS, Kind, Law, State, Trip
 from hknob_cli.hardware.wire.commands import Plain
-from hknob_cli.hardware.wire.frame import MOST_STUFFED_BYTES, Decoder, body_of, frame
-from hknob_cli.hardware.wire.messages import encode
+from hknob_cli.hardware.wire.messages import MOST_STUFFED_BYTES, Decoder, body_of, encode, frame
 from hknob_cli.hardware.wire.session import Session
 from tests.conftest import ROOT
 from tests.hardware.controllers import READING, told

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from hknob_cli.figures import draw, theme
-from hknob_cli.page.defaults import chapters_of
+from hknob_cli.page.compose import chapters_of
 from hknob_cli.results.result_set import MissingError, ResultSet
 from tests.conftest import SPEC, Command
 from tests.forked import Forks

@@ -8,7 +8,7 @@ import pytest
 from hknob_cli.figures import draw, theme
 from hknob_cli.figures.campaign import one_trial
 from hknob_cli.page.answers import answers_of
-from hknob_cli.page.defaults import chapters_of
+from hknob_cli.page.compose import chapters_of
 from hknob_cli.results.result_set import MissingError, ResultSet
 from tests.conftest import EXPERIMENTS, Command
 from tests.forked import Forks

@@ -11,7 +11,7 @@ from hknob_cli.figures import draw, theme
 from hknob_cli.figures.identification import plan_of, plant_of, pulsed, rows_of
 from hknob_cli.figures.pulses import modelled
 from hknob_cli.identify.second_order import respond
-from hknob_cli.page.defaults import chapters_of
+from hknob_cli.page.compose import chapters_of
 from hknob_cli.results.result_set import MissingError, ResultSet
 from tests import sysid_results as made
 

@@ -22,8 +22,7 @@ from hknob_cli.hardware.wire.acts import UNPACK_ACT
 from hknob_cli.hardware.wire.answers import Abilities, About, Ack, Event, Samples
 from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
 from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, SetAct, Simulate
-from hknob_cli.hardware.wire.frame import Decoder, frame
-from hknob_cli.hardware.wire.messages import Message, decode, encode
+from hknob_cli.hardware.wire.messages import Decoder, Message, decode, encode, frame
 
 ROOM_S = 0.25
 

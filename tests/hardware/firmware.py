@@ -18,8 +18,7 @@ from hknob_cli.hardware.wire.acts import Piece
 from hknob_cli.hardware.wire.answers import Ack, Event, Samples
 from hknob_cli.hardware.wire.codes import Kind, State
 from hknob_cli.hardware.wire.commands import Plain
-from hknob_cli.hardware.wire.frame import Decoder, frame
-from hknob_cli.hardware.wire.messages import Message, decode, encode
+from hknob_cli.hardware.wire.messages import Decoder, Message, decode, encode, frame
 
 HERE = Path(__file__).parent
 PARTS = [*(str(SOURCES / name) for name in (*PORTABLE, "plant.c", "squeeze.c")), str(HERE / "scripted_board.c")]

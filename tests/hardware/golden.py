@@ -12,8 +12,7 @@ from hknob_cli.hardware.wire.acts import Piece, Table
 from hknob_cli.hardware.wire.answers import Abilities, About, Ack, Event, Samples
 from hknob_cli.hardware.wire.codes import Kind, Law, State, Status, Trip
 from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, SetAct, Simulate, Zero
-from hknob_cli.hardware.wire.frame import frame
-from hknob_cli.hardware.wire.messages import Message, encode
+from hknob_cli.hardware.wire.messages import Message, encode, frame
 
 HEAD = """\
 # Golden frames of the wire's version 1 (docs/reference/wire.md), a line each: name | fields | its frame in hex.

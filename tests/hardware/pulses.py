@@ -6,10 +6,10 @@ import numpy as np
 
 from hknob_cli.hardware.archive import Archive
 from hknob_cli.hardware.campaign import Campaign
-from hknob_cli.hardware.nuisances import Nuisances
+from hknob_cli.hardware.knob_motion import Nuisances
 from hknob_cli.hardware.order import settings_of, trials_of
+from hknob_cli.hardware.person import squeezer
 from hknob_cli.hardware.port import Block
-from hknob_cli.hardware.pulse_person import squeezer
 from hknob_cli.hardware.virtual import VirtualDevice
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.pulses import PulsePlan

@@ -14,20 +14,18 @@ import pytest
 
 from hknob_cli.errors import DeviceError, UsageError
 from hknob_cli.hardware import reference_target
-from hknob_cli.hardware.control import control_of
+from hknob_cli.hardware.control import control_of, over_angle_of
 from hknob_cli.hardware.converters import Conversion
 from hknob_cli.hardware.order import settings_of, trials_of
-from hknob_cli.hardware.over_angle import over_angle_of
+from hknob_cli.hardware.person import squeezer
 from hknob_cli.hardware.port import ROUNDINGS, Block, Converters, Device, Settings, Simulated, Sine
-from hknob_cli.hardware.pulse_person import squeezer
 from hknob_cli.hardware.reference_target import QEMU, SOURCES, Target, build_target, compiler, run_target
 from hknob_cli.hardware.serial_device import SerialDevice
 from hknob_cli.hardware.virtual import VirtualDevice
 from hknob_cli.hardware.wire.answers import Ack, Event
 from hknob_cli.hardware.wire.codes import Kind, Status, Trip
 from hknob_cli.hardware.wire.commands import Configure, Plain
-from hknob_cli.hardware.wire.frame import Decoder, frame
-from hknob_cli.hardware.wire.messages import Message, decode, encode
+from hknob_cli.hardware.wire.messages import Decoder, Message, decode, encode, frame
 from hknob_cli.specs.campaign import Effects
 from hknob_cli.specs.over_angle import Detents, EndStops
 from hknob_cli.specs.parts import Actuator, Encoder

@@ -10,8 +10,8 @@ import pytest
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.grip_trigger import GripTrigger, Phase, pulse_of
 from hknob_cli.hardware.order import settings_of, trials_of
+from hknob_cli.hardware.person import squeezer
 from hknob_cli.hardware.port import Block, PulseOrder, Simulated
-from hknob_cli.hardware.pulse_person import squeezer
 from hknob_cli.hardware.ranges import faults_of_settings
 from hknob_cli.hardware.safety import LimitMonitor
 from hknob_cli.hardware.virtual import IDENTITY, VirtualDevice

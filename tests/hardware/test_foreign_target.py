@@ -12,8 +12,7 @@ import pytest
 from hknob_cli.hardware.wire.answers import About, Ack, Samples
 from hknob_cli.hardware.wire.codes import Kind, State, Status
 from hknob_cli.hardware.wire.commands import Configure, Plain, SetAct, Simulate, Zero
-from hknob_cli.hardware.wire.frame import Decoder, frame
-from hknob_cli.hardware.wire.messages import Message, decode, encode
+from hknob_cli.hardware.wire.messages import Decoder, Message, decode, encode, frame
 from tests.hardware.foreign import arranged, foreign_target
 from tests.hardware.golden import LAG, SETTINGS, WITH_SINES
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hknob_cli.hardware.wire.frame import MOST_BODY_BYTES, MOST_STUFFED_BYTES, Decoder, body_of, frame
+from hknob_cli.hardware.wire.messages import MOST_BODY_BYTES, MOST_STUFFED_BYTES, Decoder, body_of, frame
 
 bodies = st.lists(st.binary(min_size=1, max_size=MOST_BODY_BYTES), max_size=6)
 

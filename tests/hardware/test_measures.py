@@ -7,7 +7,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from hknob_cli.engine.outcome import Outcome
-from hknob_cli.hardware.nuisances import Nuisances
+from hknob_cli.hardware.knob_motion import Nuisances
 from hknob_cli.hardware.port import Block
 from hknob_cli.measure.orbit import OrbitMeasures
 from hknob_cli.recordings.measured_cycle import TrialMeasures, find_buzz, find_swing, measure_trial

@@ -12,8 +12,7 @@ from hknob_cli.hardware.port import Block, Control, Settings
 from hknob_cli.hardware.wire.answers import Samples, most_samples
 from hknob_cli.hardware.wire.codes import Kind
 from hknob_cli.hardware.wire.commands import Configure, Plain, SetAct, Simulate
-from hknob_cli.hardware.wire.frame import Decoder, frame
-from hknob_cli.hardware.wire.messages import decode, encode
+from hknob_cli.hardware.wire.messages import Decoder, decode, encode, frame
 from tests.conftest import ROOT
 from tests.hardware.golden import BOOT, GOLDEN, LAG, SETTINGS, SIMULATED, WITH_SINES, block, text
 

@@ -9,7 +9,7 @@ import pytest
 
 from hknob_cli.hardware import serial_device
 from hknob_cli.hardware.control import control_of
-from hknob_cli.hardware.nuisances import Nuisances
+from hknob_cli.hardware.knob_motion import Nuisances
 from hknob_cli.hardware.order import _model_of
 from hknob_cli.hardware.person import hand_at
 from hknob_cli.hardware.port import Converters, Torque

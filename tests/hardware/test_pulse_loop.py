@@ -5,12 +5,11 @@ from math import pi, tau
 import numpy as np
 import pytest
 
-from hknob_cli.apparatus.hand import SecondOrder
-from hknob_cli.apparatus.simulated_motion import follow, mechanism
+from hknob_cli.apparatus.hand import SecondOrder, follow, mechanism
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.nuisances import Nuisances
+from hknob_cli.hardware.knob_motion import Nuisances
 from hknob_cli.hardware.order import settings_of, trials_of
-from hknob_cli.hardware.pulse_person import grip_of, hand_at, squeezer
+from hknob_cli.hardware.person import grip_of, squeezer, squeezing_hand
 from hknob_cli.hardware.virtual import NATIVE_COUNTS, VirtualDevice
 from tests.hardware.pulses import SPEC, planned, pulsed
 
@@ -32,7 +31,7 @@ def truth(text: str, number: int, fired_at: int) -> SecondOrder:
     plan = planned(text)
     squeeze = squeezer(plan, trials_of(plan)[number - 1]).squeeze
     assert squeeze
-    return hand_at(squeeze, float(grip_of(squeeze, np.array([fired_at * DT]), None)[0]))
+    return squeezing_hand(squeeze, float(grip_of(squeeze, np.array([fired_at * DT]), None)[0]))
 
 
 @pytest.mark.one_in(2)

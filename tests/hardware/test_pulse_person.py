@@ -5,8 +5,8 @@ import pytest
 
 from hknob_cli.errors import UsageError
 from hknob_cli.hardware.order import settings_of, trials_of
+from hknob_cli.hardware.person import AIM_CV, grip_of, order_of, squeezer, squeezing_hand
 from hknob_cli.hardware.port import Squeeze
-from hknob_cli.hardware.pulse_person import AIM_CV, grip_of, hand_at, order_of, squeezer
 from hknob_cli.printed.tables import table
 from tests.hardware.pulses import HELD, SPEC, planned
 
@@ -54,9 +54,9 @@ def test_after_the_pulse_the_hand_lets_go(climbs: bool) -> None:
 
 
 def test_a_hand_between_two_rows_lies_between_them() -> None:
-    assert hand_at(PLAIN, 2.5) == pytest.approx((1.25e-6, 4e-4, 0.175))
-    assert hand_at(PLAIN, 0.2) == pytest.approx((2e-6, 1e-4, 0.1))
-    assert hand_at(PLAIN, 9.0) == pytest.approx((1e-6, 5e-4, 0.2))
+    assert squeezing_hand(PLAIN, 2.5) == pytest.approx((1.25e-6, 4e-4, 0.175))
+    assert squeezing_hand(PLAIN, 0.2) == pytest.approx((2e-6, 1e-4, 0.1))
+    assert squeezing_hand(PLAIN, 9.0) == pytest.approx((1e-6, 5e-4, 0.2))
 
 
 def test_the_mean_person_is_the_printed_one_in_every_trial() -> None:

@@ -8,8 +8,7 @@ import pytest
 
 from hknob_cli.hardware.wire.codes import Kind
 from hknob_cli.hardware.wire.commands import Plain
-from hknob_cli.hardware.wire.frame import Decoder
-from hknob_cli.hardware.wire.messages import decode
+from hknob_cli.hardware.wire.messages import Decoder, decode
 from hknob_cli.hardware.wire.pump import LONGEST_STEP_S, Pump
 from hknob_cli.hardware.wire.session import Session
 

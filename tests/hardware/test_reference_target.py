@@ -12,7 +12,7 @@ from hknob_cli.errors import DeviceError
 from hknob_cli.hardware import reference_target
 from hknob_cli.hardware.reference_target import _first_error, _greeting, _wait_for_answer, build_target, compiler
 from hknob_cli.hardware.wire.codes import Kind
-from hknob_cli.hardware.wire.frame import Decoder
+from hknob_cli.hardware.wire.messages import Decoder
 
 
 def test_a_compiler_is_one_that_is_there(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.nuisances import LATEST, Nuisances
+from hknob_cli.hardware.knob_motion import LATEST, Nuisances
 from hknob_cli.hardware.port import Block, Drift
 from hknob_cli.hardware.sample_clock import (
     CLOCK_S,

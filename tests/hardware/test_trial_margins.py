@@ -10,35 +10,38 @@ import numpy as np
 import pytest
 
 from hknob_cli.errors import DeviceError, SpecError, UsageError
-from hknob_cli.hardware import drivers, journal, order, pulse_person, ranges, trial_run
+from hknob_cli.hardware import drivers, journal, order, person, ranges, trial_run
 from hknob_cli.hardware.archive import Archive
 from hknob_cli.hardware.campaign import GO_ON, IN_VAIN, UNSAFE, Campaign
-from hknob_cli.hardware.control import ControlledWall, looks_of
-from hknob_cli.hardware.converters import NONE, ROUNDINGS, Conversion
+from hknob_cli.hardware.control import ControlledWall, ShapedWall, looks_of, over_angle_of
+from hknob_cli.hardware.converters import NONE, ROUNDINGS, Conversion, slots_of
 from hknob_cli.hardware.grip_trigger import pulse_of
 from hknob_cli.hardware.journal import Journal, packed, read_journal
-from hknob_cli.hardware.knob_motion import PATIENCE, KnobMotion
-from hknob_cli.hardware.nuisances import Nuisances
+from hknob_cli.hardware.knob_motion import PATIENCE, KnobMotion, Nuisances
 from hknob_cli.hardware.order import key_of, settings_of, trials_of
-from hknob_cli.hardware.over_angle import ShapedWall, over_angle_of
-from hknob_cli.hardware.person import PRINTED_TARGET_N, Person, _grip, _push, hold, printed_grips, wander_sines
+from hknob_cli.hardware.person import (
+    PRINTED_TARGET_N,
+    Person,
+    _grip,
+    _push,
+    grip_of,
+    hold,
+    printed_grips,
+    squeezer,
+    wander_sines,
+)
 from hknob_cli.hardware.port import Drift, OverAngle, PulseOrder, Sine, Squeeze, Torque
 from hknob_cli.hardware.pulse_loop import PulsedKnob, PulseLoop
-from hknob_cli.hardware.pulse_person import grip_of, squeezer
-from hknob_cli.hardware.pulse_phases import PulsePhases
-from hknob_cli.hardware.pulse_tables import _doubts, _fired_s, _pulse, pulse_tables
 from hknob_cli.hardware.ranges import faults_of_settings
 from hknob_cli.hardware.sources import ABOUT, RECORDING, source_digests
-from hknob_cli.hardware.tables import _torque_hz, campaign_tables
-from hknob_cli.hardware.torque_line import slots_of
+from hknob_cli.hardware.tables import _fired_s, _pulse, _pulse_doubts, _torque_hz, campaign_tables, pulse_tables
 from hknob_cli.hardware.trial_file import Recorded, Samples, _more, joined, read_trial, write_trial
-from hknob_cli.hardware.trial_phases import Ended
+from hknob_cli.hardware.trial_phases import Ended, PulsePhases
 from hknob_cli.hardware.trial_run import Nobody, Outcome, Task, run_trial
 from hknob_cli.hardware.trial_wall import PlainWall, Sent, TrialWall
 from hknob_cli.hardware.virtual import IDENTITY, VirtualDevice, VirtualLoop
 from hknob_cli.recordings.spectrum import torque_rises_hz
-from hknob_cli.results.campaign_files import TRIED
-from hknob_cli.results.pulse_files import TRUTH
+from hknob_cli.results.campaign_files import TRIED, TRUTH
 from hknob_cli.specs.campaign import Course, Effects, Knob
 from hknob_cli.specs.plan import EndStops
 from tests.hardware import campaigns, pulses
@@ -251,7 +254,7 @@ def test_people_aim_and_cells_are_off_by_shares_of_chances(monkeypatch: pytest.M
         def uniform(self, low: float, high: float) -> float:
             return low + 0.75 * (high - low)
 
-    monkeypatch.setattr(pulse_person, "stream", lambda *_: Chances())
+    monkeypatch.setattr(person, "stream", lambda *_: Chances())
     for who, aim in (("person: {person: 1, ", 0.71 * 1.06), ("person: {person: 0, ", 0.71)):
         plan = pulses.planned(pulses.SPEC.replace("person: {", who))
         trial = next(one for one in trials_of(plan) if one.grip_target_n == 0.71)
@@ -323,8 +326,8 @@ def test_what_the_samples_say_of_a_pulse() -> None:
 
 
 def test_a_doubt_is_said_of_the_end_and_of_what_is_missing() -> None:
-    assert _doubts(recorded([0.0])) == []
-    doubts = _doubts(recorded([0.0], ended=Ended.OPERATOR.value, gaps=3))
+    assert _pulse_doubts(recorded([0.0])) == []
+    doubts = _pulse_doubts(recorded([0.0], ended=Ended.OPERATOR.value, gaps=3))
     assert doubts == ["the operator ended it", "3 samples are missing"]
 
 

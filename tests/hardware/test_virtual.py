@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.nuisances import Nuisances
+from hknob_cli.hardware.knob_motion import Nuisances
 from hknob_cli.hardware.port import Sine
 from hknob_cli.hardware.virtual import State, VirtualDevice
 from tests.hardware.trials import ALIGNED, HAND, settings, virtual_trial

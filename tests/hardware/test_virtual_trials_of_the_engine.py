@@ -15,7 +15,7 @@ from hknob_cli.engine.general.laws.law import PIECE, TORQUE
 from hknob_cli.engine.general.laws.step import advance_with_law, begin_past, decide
 from hknob_cli.hardware.control import control_of
 from hknob_cli.hardware.converters import Conversion, converters_of
-from hknob_cli.hardware.nuisances import Nuisances
+from hknob_cli.hardware.knob_motion import Nuisances
 from hknob_cli.hardware.virtual import IDENTITY
 from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.plan import Actuator, Bias, Encoder, Hand, Knob, Scene, Wall

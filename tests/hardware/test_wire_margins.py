@@ -20,8 +20,7 @@ from hknob_cli.hardware.wire.answers import Abilities, About, Ack, Event
 from hknob_cli.hardware.wire.block_order import BlockOrder
 from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
 from hknob_cli.hardware.wire.commands import MOST_SINES, Alive, Plain, Simulate, pack_simulated, unpack_simulated
-from hknob_cli.hardware.wire.frame import Decoder, frame, is_message, unread_of
-from hknob_cli.hardware.wire.messages import decode, encode
+from hknob_cli.hardware.wire.messages import Decoder, decode, encode, frame, is_message, unread_of
 from hknob_cli.hardware.wire.pump import Pump
 from hknob_cli.hardware.wire.sending import differences, shows_torque
 from hknob_cli.hardware.wire.session import Session

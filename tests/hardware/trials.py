@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hknob_cli.hardware.nuisances import Nuisances
+from hknob_cli.hardware.knob_motion import Nuisances
 from hknob_cli.hardware.port import Block, Device, Identity, Settings, Simulated
 from hknob_cli.hardware.virtual import VirtualDevice
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hknob_cli.identify.covariance import bandwidth, bread_of, cautious, classical, condition, sandwich
+from hknob_cli.identify.fit import bandwidth, bread_of, cautious, classical, condition, sandwich
 
 
 def test_the_sandwich_is_bartletts_weighted_sum() -> None:

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.identify.fit import Estimate, doubts, misfit, vaf, whiteness
-from hknob_cli.identify.motion import Motion
-from hknob_cli.identify.readings import encoder_step, runs
+from hknob_cli.identify.motion import Motion, encoder_step, runs
 from tests.identify.pulses import LIGHT, motion
 
 

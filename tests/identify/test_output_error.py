@@ -5,8 +5,7 @@ import pytest
 
 from hknob_cli.identify.motion import Motion
 from hknob_cli.identify.output_error import output_error
-from hknob_cli.identify.second_order import Plant, respond
-from hknob_cli.identify.start import integrated_start
+from hknob_cli.identify.second_order import Plant, integrated_start, respond
 from tests.identify.pulses import FIRM, LIGHT, motion, pulse, seen
 
 NAMES = ("inertia", "damping", "stiffness")

@@ -5,10 +5,8 @@ from math import exp, inf, sqrt
 import numpy as np
 import pytest
 
-from hknob_cli.identify.levenberg import Minimum
 from hknob_cli.identify.motion import Motion
-from hknob_cli.identify.nearest import Nearest, cost, nearest
-from hknob_cli.identify.profile import NEARLY, RISE, spread
+from hknob_cli.identify.nearest import NEARLY, RISE, Minimum, Nearest, cost, nearest, spread
 
 COUNT, NOISE = 400, 1e-3
 TORQUE = np.concatenate([np.zeros(10), np.ones(COUNT - 10)])

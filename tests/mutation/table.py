@@ -201,7 +201,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/sets/convex.py": (f"{PROOF}test_convex_margins.py",),
     "general/sets/search.py": (f"{PROOF}test_general_search_margins.py",),
     "general/laws/sensed.py": (f"{PROOF}test_sensed_margins.py",),
-    "controllers/fading_pair.py": ("tests/controllers/test_fading_pair.py",),
+    "controllers/estimated_velocity.py": ("tests/controllers/test_fading_pair.py",),
     "hardware/sample_clock.py": tuple(f"tests/hardware/test_sample_clock{end}.py" for end in ("", "_margins")),
     "hardware/replay.py": tuple(f"tests/hardware/test_replay{end}.py" for end in ("", "_margins")),
     "hardware/wire/block_order.py": tuple(f"tests/hardware/test_block_order{end}.py" for end in ("", "_margins")),

@@ -10,7 +10,7 @@ import pytest
 from hknob_cli.errors import UsageError
 from hknob_cli.figures.what_matters import what_matters
 from hknob_cli.page.answers import answers_of, tiles_of
-from hknob_cli.page.defaults import chapters_of
+from hknob_cli.page.compose import chapters_of
 from hknob_cli.results.parted import Parted, Parting, as_file, put_part
 from hknob_cli.results.provenance import describe
 from hknob_cli.results.result_set import ResultSet

@@ -156,7 +156,7 @@ def test_what_a_spec_says_reaches_the_engine(engine: Any) -> None:
 
 def test_the_bounded_lag_begins_at_its_best(engine: Any) -> None:
     """The page's part of a step is that of the rule, to two digits, and the plain wall where the rule has none."""
-    from hknob_cli.theory.bounded_lag import best_keep, slowness
+    from hknob_cli.theory.staircase import best_keep, slowness
 
     remedies = (ROOT / "hknob_cli" / "page" / "explore" / "remedies.js").read_text(encoding="utf-8")
     engine.eval(f"{remedies}; var choices = Choices;")

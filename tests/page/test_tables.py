@@ -6,7 +6,7 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.page.book import Chapter
-from hknob_cli.page.defaults import tables_of
+from hknob_cli.page.compose import tables_of
 from hknob_cli.page.layout import lay_out
 from hknob_cli.page.tables import CUT, WHOLE, table_of
 from hknob_cli.results.columns import CELLS

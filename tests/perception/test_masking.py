@@ -5,12 +5,13 @@ from math import log10
 import numpy as np
 import pytest
 
-from hknob_cli.perception.hearing import hearing_threshold, judge
-from hknob_cli.perception.masking import (
+from hknob_cli.perception.hearing import (
     LEAST_HZ,
     band_level,
     critical_band,
     critical_bandwidth,
+    hearing_threshold,
+    judge,
     masked_threshold,
     masking_index,
 )

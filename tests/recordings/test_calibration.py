@@ -7,7 +7,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from hknob_cli.errors import UsageError
-from hknob_cli.recordings.calibration import GRIP_CELL, read_columns
+from hknob_cli.recordings.files import GRIP_CELL, read_columns
 
 GOOD = "position_m,force_n,voltage_v\n0.003,0,0\n0.003,1,0.1\n"
 

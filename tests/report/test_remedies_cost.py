@@ -1,8 +1,8 @@
-"""Tests of `report.remedies_cost`: what a change takes, and which remedy is named."""
+"""Tests of `report.remedies`: what a change takes, and which remedy is named."""
 
 import pytest
 
-from hknob_cli.report.remedies_cost import cost_lines, effort_of, most_of
+from hknob_cli.report.remedies import cost_lines, effort_of, most_of
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from hknob_cli.specs import design
 from hknob_cli.specs.load import load
 from hknob_cli.specs.plan import PERSON
 from hknob_cli.specs.stage_plans import DesignPlan
-from hknob_cli.stages.input_files import hand_inputs
+from hknob_cli.stages.work import hand_inputs
 from tests.designs import DESIGN, planned
 from tests.identified import PEOPLE, write_conditions
 

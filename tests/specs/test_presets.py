@@ -15,9 +15,9 @@ from hknob_cli.specs.plan import COUNTS, RATE, Hand
 from hknob_cli.specs.reference_pages import presets_page
 from hknob_cli.specs.schema import json_schema
 from hknob_cli.specs.source import parse, read
-from hknob_cli.stages.input_files import preset_files, preset_inputs
 from hknob_cli.stages.job import Job, work_of
 from hknob_cli.stages.make import stamp_of
+from hknob_cli.stages.work import preset_files, preset_inputs
 from tests.conftest import EXPERIMENTS, ROOT, faults_of, loaded
 
 HEAD = "kind: sweep\nname: knob\n"

@@ -8,7 +8,7 @@ import pytest
 from hknob_cli.errors import SpecError, UsageError
 from hknob_cli.specs.load import load
 from hknob_cli.stages.begin_from import KINDS, begin_from
-from hknob_cli.theory.bounded_lag import best_keep, slowness
+from hknob_cli.theory.staircase import best_keep, slowness
 
 SWEEP = """\
 kind: sweep

@@ -9,7 +9,7 @@ import pytest
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.source import parse
 from hknob_cli.stages.sweep.run import SweepStage
-from hknob_cli.theory.bounded_lag import best_keep, slowness
+from hknob_cli.theory.staircase import best_keep, slowness
 
 TAU = 0.2
 

@@ -1,6 +1,6 @@
 """Stated 95 % intervals of output error where the model leaves something out: what they hold, before and after.
 
-"Before" is the standard error without the part that the misfit makes (`identify.covariance`); 120 hands like Table 1's
+"Before" is the standard error without the part that the misfit makes (`identify.fit`); 120 hands like Table 1's
 each, white noise of 20 µrad, on 2026-11-22, shares for inertia / damping / stiffness in %:
 
     what the model leaves out                        before          after

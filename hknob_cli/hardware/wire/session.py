@@ -13,8 +13,7 @@ from hknob_cli.hardware.wire.answers import About, Ack, Event, Samples
 from hknob_cli.hardware.wire.block_order import BlockOrder, HostClock
 from hknob_cli.hardware.wire.codes import TRIP_TEXT, VERSION, Kind, State, Status
 from hknob_cli.hardware.wire.commands import Again, Alive, Command, Plain
-from hknob_cli.hardware.wire.frame import Decoder, Unread, frame, unread_of
-from hknob_cli.hardware.wire.messages import decode, encode, not_a_number
+from hknob_cli.hardware.wire.messages import Decoder, Unread, decode, encode, frame, not_a_number, unread_of
 from hknob_cli.hardware.wire.sending import AfterRelease, Sending, shows_torque, wrong_state
 
 ALIVE_EVERY_S = 0.01

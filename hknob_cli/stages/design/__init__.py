@@ -2,6 +2,6 @@
 
 - `run` evaluates designs in the order of cost, and chooses the cheapest good one (of several, the least felt)
 - `space` what can be chosen
-- `evaluate` all people at once, `people` what they notice
-- `ranking` of what was evaluated, and how sure an answer is
+- `evaluate` all people at once
+- `ranking` what they notice of what was evaluated, in which order that is, and how sure an answer is
 """

@@ -13,12 +13,10 @@ from hknob_cli.errors import UsageError
 from hknob_cli.hardware.archive import Archive
 from hknob_cli.hardware.campaign import Campaign
 from hknob_cli.hardware.drivers import check_persons, opened, who_of
-from hknob_cli.hardware.pulse_tables import pulse_tables
 from hknob_cli.hardware.sources import REMEDIES, RESULTS, move_to_earlier, refuse_other, spec_digest
-from hknob_cli.hardware.tables import campaign_tables
-from hknob_cli.report.hw_run import describe_clock, describe_hw_run, hw_run_text
-from hknob_cli.report.pulses import describe_pulses, pulses_text
-from hknob_cli.report.remedies_tried import describe_tried
+from hknob_cli.hardware.tables import campaign_tables, pulse_tables
+from hknob_cli.report.hw_run import describe_clock, describe_hw_run, describe_pulses, hw_run_text, pulses_text
+from hknob_cli.report.remedies import describe_tried
 from hknob_cli.results.versions import source_digest, version
 from hknob_cli.specs.campaign import REPLAY, SERIAL
 from hknob_cli.specs.named_file import digest_of, inside

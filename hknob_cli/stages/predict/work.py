@@ -6,10 +6,8 @@ from typing import Any
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.stages import compare
 from hknob_cli.stages.job import Job
-from hknob_cli.stages.predict.criteria import evaluate
-from hknob_cli.stages.predict.criteria_text import describe_criteria
-from hknob_cli.stages.predict.run import predict
-from hknob_cli.stages.predict.text import describe_predictions, predictions_text
+from hknob_cli.stages.predict.run import criteria_table, predict
+from hknob_cli.stages.predict.text import describe_criteria, describe_predictions, predictions_text
 from hknob_cli.stages.work import Tables, Work, compare_scenes, note, overlap_of
 from hknob_cli.terminal import progress_bar
 
@@ -50,7 +48,7 @@ class PredictWork(Work):
             compare_scenes(job)
         with progress_bar(len(cells_of(job.plan)), show=not job.quiet) as progress:
             predictions, passivity = predict(job.plan, progress)
-        further = (evaluate(job.plan),) if job.plan.criteria else ()
+        further = (criteria_table(job.plan),) if job.plan.criteria else ()
         if not job.plan.against:
             return predictions, passivity, *further
         rows = predictions.to_pylist()

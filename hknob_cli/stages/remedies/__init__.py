@@ -1,4 +1,4 @@
 """Stage remedies: what can be done against the buzz, and what it costs.
 
-- `trial`, with the best value of what one tunes
+- `run` tries each remedy, with the best value of what it tunes
 """

@@ -5,9 +5,16 @@ from typing import Any
 
 import pyarrow as pa
 
-from hknob_cli.report.remedies_cost import cost_lines, effort_of
-from hknob_cli.report.remedies_over import over_axis, over_the_grid
-from hknob_cli.report.remedies_words import grid_text, over_text, times, tuned_values
+from hknob_cli.report.remedies import (
+    cost_lines,
+    effort_of,
+    grid_text,
+    over_axis,
+    over_text,
+    over_the_grid,
+    times,
+    tuned_values,
+)
 from hknob_cli.report.table import short, table
 from hknob_cli.report.verdicts import best_remedy, quietest
 from hknob_cli.results.means import from_where, together

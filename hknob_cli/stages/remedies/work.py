@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.engine.compiling import tell_compiling, working_clock
-from hknob_cli.report.remedies_cost import most_of
+from hknob_cli.report.remedies import most_of
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.kept import KeepingWork, keeping
 from hknob_cli.stages.lag_domain import domain_warning

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from hknob_cli.measure.harmonics import Harmonics
-from hknob_cli.perception import hearing, masking, torque_step, touch
+from hknob_cli.perception import hearing, torque_step, touch
 from hknob_cli.perception.level import decibels
 from hknob_cli.specs.perception import Perceive
 
@@ -50,7 +50,7 @@ def perceive(lines: Harmonics, how: Perceive) -> Perceived:
         # How loud a tone is in noise ISO 226 does not say.
         phon = nan if noise else _loudest(lines.frequency_hz, sound, how)
     if noise:
-        masked = masking.masked_threshold(lines.frequency_hz, noise, extrapolate=how.extrapolate)
+        masked = hearing.masked_threshold(lines.frequency_hz, noise, extrapolate=how.extrapolate)
     heard = hearing.judge(lines.frequency_hz, sound, edition=how.edition, masked_db=masked)
     return one._replace(
         hearing_db=float(heard.level_db),

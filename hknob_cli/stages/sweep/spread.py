@@ -1,6 +1,7 @@
-"""A long sweep, spread over processes or a cluster: kept piece by piece, so that it can be cut short at any time."""
+"""A long sweep, spread over processes or a cluster: kept piece by piece, and sampled cells computed twice."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
+from math import isclose
 from typing import Any
 
 from hknob_cli.errors import unwritable
@@ -12,10 +13,46 @@ from hknob_cli.specs.cells import cells_of
 from hknob_cli.spread.cores import usable_cores
 from hknob_cli.spread.gather import Range, Ranges, Sample, Workers, gather
 from hknob_cli.stages.job import Job
-from hknob_cli.stages.sweep.assembly import Assembly, PieceFinder
+from hknob_cli.stages.sweep.assembly import Assembly, PieceFinder, decode
 from hknob_cli.stages.sweep.run import SweepStage
-from hknob_cli.stages.sweep.sampled_rows import Rows, nearly_same, rows_of, same
 from hknob_cli.terminal import heed, spread_progress
+
+# Of numbers from processors whose C libraries round `exp` and `sin` differently: what a fault changes is seldom less.
+NEAR, NOTHING = 1e-6, 1e-9  # relative; and absolute, in SI units
+
+Rows = list[dict[str, Any]]
+
+
+def rows_of(data: bytes, place: int, some: Iterable[Mapping[str, Any]]) -> Rows:
+    """Rows that a piece has of ``some`` of its cells, the first at ``place``, and of their orbits.
+
+    Cells are given by their axes.
+    """
+    cells, orbits = decode(data)
+    wanted = list(some)
+    rows: Rows = cells.slice(place, len(wanted)).to_pylist()
+    names = [name for name in wanted[0] if name in orbits.schema.names]
+    keys = zip(*(orbits[name].to_pylist() for name in names), strict=True)
+    there = {tuple(row[name] for name in names) for row in rows}
+    return rows + [orbits.slice(i, 1).to_pylist()[0] for i, key in enumerate(keys) if key in there]
+
+
+def same(one: Rows, other: Rows) -> bool:
+    """Whether all rows are the same to the last bit, as workers of one machine find them."""
+    return repr(one) == repr(other)
+
+
+def nearly_same(one: Rows, other: Rows) -> bool:
+    """Whether they are, apart from the last digits of real numbers, as workers of several machines find them."""
+    return len(one) == len(other) and all(
+        a.keys() == b.keys() and all(_near(a[name], b[name]) for name in a) for a, b in zip(one, other, strict=True)
+    )
+
+
+def _near(one: Any, other: Any) -> bool:
+    if isinstance(one, float) and isinstance(other, float):
+        return isclose(one, other, rel_tol=NEAR, abs_tol=NOTHING) or (one != one and other != other)
+    return bool(one == other)
 
 
 def spread_sweep(job: Job, stage: SweepStage, stamp: bytes, notify: Callable[[str], None]) -> tuple[Any, ...]:

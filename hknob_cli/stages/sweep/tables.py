@@ -30,7 +30,7 @@ from hknob_cli.results.columns import (
     Column,
     axis_column,
 )
-from hknob_cli.scene.sampled_cells import hands_of
+from hknob_cli.scene.sampled_knob import hands_of
 from hknob_cli.scene.torque_over_angle import is_shaped
 from hknob_cli.specs.cells import WHOLE
 from hknob_cli.specs.perception import Perceive

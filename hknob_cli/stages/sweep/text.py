@@ -8,9 +8,17 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.report.population import describe_people, people_text
-from hknob_cli.report.sweep_words import Level, perceived_levels, perceived_text, undecided_in, undecided_text
+from hknob_cli.report.sweep_words import (
+    Level,
+    every_clock_text,
+    jitter_text,
+    perceived_levels,
+    perceived_text,
+    rattle_text,
+    undecided_in,
+    undecided_text,
+)
 from hknob_cli.report.table import MAX_ROWS, fits, matrix, short, table
-from hknob_cli.report.unrepeated import every_clock_text, jitter_text, rattle_text
 from hknob_cli.report.verdicts import grid_verdict, percent, unproven_of
 from hknob_cli.report.what_matters import describe_matters, matters_of, matters_text
 from hknob_cli.results.means import differs

@@ -11,7 +11,7 @@ import pyarrow as pa
 
 from hknob_cli.errors import UsageError
 from hknob_cli.results.arrays import build_table
-from hknob_cli.results.pulse_files import TRUTH
+from hknob_cli.results.campaign_files import TRUTH
 from hknob_cli.specs.identification import CAMPAIGN_SAMPLES, SysidPlan
 from hknob_cli.specs.named_file import digest_of
 from hknob_cli.stages.compare import read_table, result_file

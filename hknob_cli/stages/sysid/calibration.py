@@ -8,7 +8,7 @@ import pyarrow as pa
 from hknob_cli.apparatus.bench_rigs import record_grip_cell, record_motor_calibration
 from hknob_cli.apparatus.rig import virtual_rig
 from hknob_cli.identify import calibration
-from hknob_cli.recordings.calibration import GRIP_CELL, MOTOR, read_columns
+from hknob_cli.recordings.files import GRIP_CELL, MOTOR, read_columns
 from hknob_cli.results.arrays import build_table
 from hknob_cli.specs.identification import SysidPlan
 from hknob_cli.stages.sysid import columns

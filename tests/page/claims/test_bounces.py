@@ -8,8 +8,7 @@ import pytest
 
 from hknob_cli.errors import UsageError
 from hknob_cli.page.claims.checks import compute
-from hknob_cli.page.claims.checks.bounces import worst_delay
-from hknob_cli.page.claims.checks.motion import Point
+from hknob_cli.page.claims.checks.motion import Point, worst_delay
 from hknob_cli.page.claims.verdict import judge_claim
 from hknob_cli.results.result_set import ResultSet
 from tests.page.claims.conftest import Made, cell

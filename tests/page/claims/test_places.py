@@ -2,7 +2,7 @@
 
 import pytest
 
-from hknob_cli.page.claims.places import places
+from hknob_cli.page.claims.ledger import places
 
 
 @pytest.mark.parametrize(

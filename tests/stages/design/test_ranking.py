@@ -7,8 +7,7 @@ import pytest
 
 from hknob_cli.perception.published import Doubt, doubts, other_sets
 from hknob_cli.specs.stage_plans import Limit
-from hknob_cli.stages.design.people import Judged, judge
-from hknob_cli.stages.design.ranking import answer_if, meets, redrawn
+from hknob_cli.stages.design.ranking import Judged, answer_if, judge, meets, redrawn
 from hknob_cli.stages.design.run import DesignStage
 from hknob_cli.stages.design.space import Design
 from hknob_cli.stages.sweep.engines import Engines

@@ -10,7 +10,7 @@ from hknob_cli.results.versions import grid_versions
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.stages.sweep.assembly import PieceFinder, decode, encode
 from hknob_cli.stages.sweep.run import SweepStage
-from hknob_cli.stages.sweep.sampled_rows import nearly_same, rows_of, same
+from hknob_cli.stages.sweep.spread import nearly_same, rows_of, same
 from hknob_cli.stages.sweep.tables import SweepTables
 from tests.conftest import SPEC, loaded
 from tests.faults.spread_runs import SWEEP, left, run

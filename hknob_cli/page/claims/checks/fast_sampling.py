@@ -1,6 +1,7 @@
-"""What sampling does to a controller's numbers: differenced velocity, zeros of the sampled plant, coefficients.
+"""What sampling does to a controller's numbers: differenced velocity, zeros, coefficients, and a linkage's Jacobian.
 
-Source: Hasser, sec. 10.6, items 1-3; of a velocity from coarse counts, sec. 10.2, item 6.
+Source: Hasser, sec. 10.6, items 1-3; of a velocity from coarse counts, sec. 10.2, item 6; of a linkage, whose
+tip moves for one interval, Section 11.4.
 """
 
 from itertools import pairwise
@@ -8,6 +9,7 @@ from math import expm1, floor, pi, sqrt, tan
 
 import numpy as np
 
+from hknob_cli.errors import UsageError
 from hknob_cli.page.claims.checks import check
 from hknob_cli.page.claims.checks.grid import exponent
 from hknob_cli.page.claims.checks.motion import motion
@@ -96,3 +98,44 @@ def velocity_error_exponent(
     """Exponent of `velocity_error` as a power of the counts per revolution; -1: in proportion to the count."""
     line = [(float(counts), velocity_error(evidence, result, counts, where)) for counts in counts_per_rev]
     return exponent([(at, value) for at, value in line if value is not None])
+
+
+_CONFIGURATIONS, _DIRECTIONS = 91, 72
+
+
+@check
+def jacobian_change(
+    _: ResultSet,
+    *,
+    links_m: list[float],
+    speed_m_s: float,
+    interval_s: float,
+    elbow_deg: list[float],
+    inverse: bool = True,
+) -> float:
+    """Most (%) by which the Jacobian of a planar arm of two links changes while its tip moves at a speed for a time.
+
+    The tip moves in every direction, from every angle of the elbow in a range (degrees, 0: straight) that leaves out
+    the singular ones. The change is the largest singular value of the difference over that of the Jacobian before, or,
+    with ``inverse``, of the inverses. Raises `UsageError` for a range with a singular elbow.
+    """
+    first, second = links_m
+    low, high = (pi * value / 180.0 for value in elbow_deg)
+    if not 0.0 < low <= high < pi:
+        raise UsageError("elbow_deg: must lie between 0 and 180, where the arm is straight or folded")
+    most = 0.0
+    for elbow in np.linspace(low, high, _CONFIGURATIONS):
+        here = _jacobian(first, second, 0.0, elbow)
+        for angle in np.linspace(0.0, 2.0 * pi, _DIRECTIONS, endpoint=False):
+            shoulder, bent = np.linalg.solve(here, speed_m_s * interval_s * np.array([np.cos(angle), np.sin(angle)]))
+            there = _jacobian(first, second, shoulder, elbow + bent)
+            old, new = (np.linalg.inv(here), np.linalg.inv(there)) if inverse else (here, there)
+            most = max(most, float(np.linalg.norm(new - old, 2) / np.linalg.norm(old, 2)))
+    return 100.0 * most
+
+
+def _jacobian(first: float, second: float, shoulder: float, elbow: float) -> np.ndarray:
+    """Velocity of the tip by the two joint speeds, m/rad; the shoulder's and the elbow's angle in rad."""
+    near = first * np.array([-np.sin(shoulder), np.cos(shoulder)])
+    far = second * np.array([-np.sin(shoulder + elbow), np.cos(shoulder + elbow)])
+    return np.stack([near + far, far], axis=1)

@@ -6,12 +6,10 @@ from typing import Any
 import numpy as np
 
 from hknob_cli.apparatus.bench_rigs import setups
-from hknob_cli.apparatus.hand import SecondOrder
-from hknob_cli.apparatus.hand_recording import PEAK_RAD, peak_per_torque, scaled_pulse
-from hknob_cli.apparatus.inputs import runs, scaled_input, unit_input
+from hknob_cli.apparatus.hand import SecondOrder, follow, mechanism
+from hknob_cli.apparatus.hand_recording import PEAK_RAD, peak_per_torque, runs, scaled_input, scaled_pulse, unit_input
 from hknob_cli.apparatus.people import mean_hand
 from hknob_cli.apparatus.rig import Rig
-from hknob_cli.apparatus.simulated_motion import follow, mechanism
 from hknob_cli.page.claims.checks import check
 from hknob_cli.page.claims.checks.rows import one_number, percent, rows_of
 from hknob_cli.printed.tables import cell, table
