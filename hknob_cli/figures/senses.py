@@ -1,4 +1,4 @@
-"""What ear and hand are sensitive to over frequency: equal-loudness contours, and thresholds of vibration."""
+"""What ear and hand are sensitive to, and the optimisation by the senses (Hasser, sec. 10.7, Fig. 70)."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -7,7 +7,10 @@ import numpy as np
 
 from hknob_cli.errors import UsageError
 from hknob_cli.figures import drawing, theme
-from hknob_cli.results.result_set import ResultSet
+from hknob_cli.figures.grid import Layout, grid, notes
+from hknob_cli.figures.heat import norm_of
+from hknob_cli.figures.maps import draw_surface, ending
+from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -89,3 +92,46 @@ def _name(panel: "Axes", frequency: np.ndarray, level: np.ndarray, text: str) ->
     """The contour's name on it, up to 1 kHz, where phon and decibels are the same."""
     at = int(np.abs(np.log(frequency / 1000.0)).argmin())
     panel.annotate(text, (frequency[at], level[at]), xytext=(-2, 3), textcoords="offset points", ha="right", fontsize=8)
+
+
+FELT, HEARD = SENSES = "touch_db", "hearing_db"
+
+
+@drawing
+def sensory_surface(
+    evidence: ResultSet,
+    of: str,
+    *,
+    layout: Layout,
+    mesh: bool = False,
+) -> "Figure":
+    """The larger of the levels of touch and of sound above their thresholds, dB, over two axes; small is good.
+
+    A letter says which of the two it is (t: touch, h: hearing); the best cell of each row has a frame. Each level is
+    that of the cell's most noticeable cycle. Raises `MissingError`, also where sound has no gain.
+    """
+    if HEARD not in evidence[of].table("cells").column_names:
+        raise MissingError(f"the sound of '{of}' has no level: its perceive has no sound_gain and no sound_response")
+    cells = grid(evidence[of], layout, columns=SENSES)
+    felt, heard = (cells.values(column) for column in SENSES)
+    values = [[_larger(*both) for both in zip(*lines, strict=True)] for lines in zip(felt, heard, strict=True)]
+    flat = [value for line in values for value in line]
+    if not any(value == value for value in flat):
+        raise MissingError(f"'{of}' has no limit cycle")
+    texts = [
+        [
+            f"{value:.0f} {'t' if touch == value else 'h'}" if value == value else ending(cell)
+            for value, touch, cell in zip(*lines, strict=True)
+        ]
+        for lines in zip(values, felt, cells.cells, strict=True)
+    ]
+    label = "more noticeable of the two, dB above threshold"
+    figure = draw_surface(cells, values, texts, norm=norm_of(flat, log=False), label=label, mesh=mesh, least=2)
+    said = "t: touch is the more noticeable;  h: hearing;  frame: best of its row"
+    figure.supxlabel(";  ".join(filter(None, [said, notes([cells], FELT)])), fontsize=8)
+    return figure
+
+
+def _larger(one: float, other: float) -> float:
+    """The larger of two levels; of one that is known and one that is not (NaN), the known."""
+    return one if other != other or one >= other else other

@@ -228,9 +228,10 @@ def test_a_drawing_is_the_same_twice(evidence: ResultSet, case: Any) -> None:
 
 
 def test_every_drawing_of_grids_is_tried() -> None:
-    ours = {"bench", "difference", "laws", "lines", "maps", "nyquist", "orbits", "schematic", "sensory"}
-    ours |= {"kb_plane", "what_matters"}
-    elsewhere = {"schematic", "what_explains"}  # tests of motion, of campaigns
+    ours = {"bench", "difference", "laws", "lines", "maps", "orbits", "schematic", "senses", "stability"}
+    ours |= {"what_matters"}
+    elsewhere = {"schematic", "torque_reach", "equal_loudness", "touch_thresholds"}  # tests of motion
+    elsewhere |= {"what_explains"}  # of campaigns
     drawings = {name for name, module in MODULES.items() if module in ours}
     assert drawings - elsewhere == {case[0] for case in CASES}
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.figures import draw, theme
-from hknob_cli.figures.contact import _added
+from hknob_cli.figures.motion import _added
 from hknob_cli.figures.panel import key
 from hknob_cli.figures.recording import one_recording, recordings
 from hknob_cli.results.provenance import describe

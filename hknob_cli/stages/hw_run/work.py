@@ -157,7 +157,7 @@ class HwRunWork(Work):
         Of pulses the grip about each, and the motion.
         """
         if isinstance(job.plan, PulsePlan):
-            from hknob_cli.figures.grip_pulses import draw_grip_pulses
+            from hknob_cli.figures.hw_run_picture import draw_grip_pulses
 
             return draw_grip_pulses(tables[0], tables[1].to_pylist(), name=job.plan.name, paths=paths)
         from hknob_cli.figures.hw_run_picture import draw_hw_run, draw_timing

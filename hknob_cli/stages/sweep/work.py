@@ -212,7 +212,7 @@ def _draw_grid(job: Job, cells: Any, orbits: Any, path: Path) -> bool:
         _draw_one(job, cells, orbits, path)
         return True
     if PERSON in axes:
-        from hknob_cli.figures.population_picture import draw_population
+        from hknob_cli.figures.sweep_picture import draw_population
 
         drawn = draw_population(cells.to_pylist(), axes, title=job.plan.name, path=path)
     else:
@@ -232,7 +232,7 @@ def _draw_one(job: Job, cells: Any, orbits: Any, path: Path) -> None:
     """The motion of the one cell on its orbits."""
     from math import pi
 
-    from hknob_cli.figures.one_cell_picture import draw_one_cell
+    from hknob_cli.figures.sweep_picture import draw_one_cell
     from hknob_cli.stages.sweep.record import record_one
 
     rows = orbits.to_pylist()
