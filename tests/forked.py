@@ -28,7 +28,7 @@ OFTEN = (
     "hknob_cli.perception.level",
     "hknob_cli.pipeline.build",
     "hknob_cli.specs.load",
-    "hknob_cli.specs.promise",
+    "hknob_cli.specs.remarks",
     "hknob_cli.specs.scene_paths",
     "filelock",
     "jinja2",

@@ -88,7 +88,6 @@ SMALL = {
     "figures/laid_out.py": "needs the library as it is loaded, which the others load when they draw",
     "page/claims/text.py": "words, of which a change does not make results old",
     "page/template_files.py": "the page and the page of explore have it in common, and nothing else",
-    "page/contents.py": "reads a format of its own, which the program only quotes",
     "scene/random_starts.py": "used by the plain and the general engine, of which it loads neither",
     "spread/cores.py": "a sweep asks for the cores before it loads anything that spreads work",
     "stages/job.py": "the process that parses makes a job without loading the work",

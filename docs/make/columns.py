@@ -46,7 +46,7 @@ _FILES: dict[str, tuple[tuple[str, str, str], ...]] = {
     "`dfa`: dfa.parquet": (
         ("always", "hknob_cli.stages.dfa.run", "COLUMNS"),
         ("method `sampled`", "hknob_cli.stages.dfa.run", "SAMPLED"),
-        ("`against` a complete sweep", "hknob_cli.stages.dfa.listed", "COLUMNS"),
+        ("`against` a complete sweep", "hknob_cli.stages.dfa.run", "LISTED"),
         ("`against`", "hknob_cli.stages.compare", "COLUMNS"),
     ),
     "`predict`: predict.parquet": (

@@ -2,9 +2,9 @@
 
 from typing import NamedTuple
 
-from hknob_cli.baselines.controller import Controller
 from hknob_cli.baselines.fixed_step import METHODS as FIXED
 from hknob_cli.baselines.fixed_step import FixedStep
+from hknob_cli.baselines.model import Controller
 from hknob_cli.baselines.mujoco_hinge import INTEGRATORS as MUJOCO
 from hknob_cli.baselines.mujoco_hinge import MujocoHinge
 from hknob_cli.baselines.run import Deadline, Motion, follow

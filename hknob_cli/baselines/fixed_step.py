@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from hknob_cli.baselines import kernels
-from hknob_cli.baselines.controller import Controller
-from hknob_cli.baselines.plant import bias_torque, build_plant, start_state
+from hknob_cli.baselines.model import Controller, bias_torque, build_plant, start_state
 from hknob_cli.baselines.run import PHASE, Deadline, LostError, Motion
 from hknob_cli.engine.kept_code import load_numba
 from hknob_cli.specs.plan import BenchScene

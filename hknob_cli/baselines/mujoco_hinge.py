@@ -8,8 +8,7 @@ a fractional delay, the time step is made to fit each part. MuJoCo's friction is
 from math import ceil
 from typing import Any
 
-from hknob_cli.baselines.controller import Controller
-from hknob_cli.baselines.plant import bias_torque
+from hknob_cli.baselines.model import Controller, bias_torque
 from hknob_cli.baselines.run import LostError
 from hknob_cli.specs.plan import Actuator, BenchScene, Hand
 

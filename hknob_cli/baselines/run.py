@@ -4,7 +4,7 @@ import time
 from math import isfinite
 from typing import Any, NamedTuple, Protocol
 
-from hknob_cli.baselines.controller import Controller
+from hknob_cli.baselines.model import Controller
 from hknob_cli.specs.plan import BenchScene
 
 PHASE = 0.5  # of the first sample after the start, in sample periods

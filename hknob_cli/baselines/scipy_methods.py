@@ -13,8 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from hknob_cli.baselines.controller import Controller, leaves
-from hknob_cli.baselines.plant import Plant, bias_torque, build_plant, start_state
+from hknob_cli.baselines.model import Controller, Plant, bias_torque, build_plant, leaves, start_state
 from hknob_cli.baselines.run import Deadline, LostError
 from hknob_cli.specs.plan import BenchScene
 

@@ -45,7 +45,7 @@ def _checked(path: Path, sets: tuple[str, ...], *, quiet: bool) -> str:
     """What a valid spec says, in a few words. Raises `UsageError`."""
     from hknob_cli.specs.load import is_ledger, kind_of, load, load_pipeline
     from hknob_cli.specs.plan import SweepPlan
-    from hknob_cli.specs.promise import not_proven
+    from hknob_cli.specs.remarks import not_proven
     from hknob_cli.stages.job import work_of
     from hknob_cli.stages.work import counted
 
@@ -76,7 +76,7 @@ def _checked(path: Path, sets: tuple[str, ...], *, quiet: bool) -> str:
 
 def _warn(path: Path, job: Job) -> None:
     """Say of a plan what preset it is from, with the sources of its values, and what is unusual in it."""
-    from hknob_cli.specs.usual import unusual
+    from hknob_cli.specs.remarks import unusual
 
     preset = getattr(job.plan, "preset", None)
     for text in () if job.quiet else [*(preset.lines if preset else ()), *unusual(job.plan)]:

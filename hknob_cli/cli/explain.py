@@ -12,7 +12,7 @@ from hknob_cli.specs.standard_input import as_typed, named
 from hknob_cli.terminal import reporting, tell
 
 if TYPE_CHECKING:
-    from hknob_cli.report.explained import Explained
+    from hknob_cli.report.scene_words import Explained
 
 
 def explain(
@@ -27,7 +27,7 @@ def explain(
 ) -> None:
     """Say in words what a spec describes, what follows from its numbers, and what is not proven."""
     with reporting():
-        from hknob_cli.report.explained import as_data, explained_text
+        from hknob_cli.report.scene_words import as_data, explained_text
 
         found = _explained(spec, tuple(sets or ()))
         if as_json:
@@ -57,7 +57,7 @@ def _explained(path: Path, sets: tuple[str, ...]) -> "Explained":
 
 
 def _pipeline(path: Path, sets: tuple[str, ...]) -> "Explained":
-    from hknob_cli.report.explained import Explained
+    from hknob_cli.report.scene_words import Explained
     from hknob_cli.specs.load import load_pipeline
     from hknob_cli.stages.work import counted
 
@@ -82,7 +82,7 @@ def _command(name: str, path: Path, overrides: tuple[str, ...]) -> str:
 
 def _ledger(path: Path) -> "Explained":
     from hknob_cli.page.claims.ledger import load_ledger
-    from hknob_cli.report.explained import Explained
+    from hknob_cli.report.scene_words import Explained
     from hknob_cli.stages.work import counted
 
     claims = load_ledger(path).claims

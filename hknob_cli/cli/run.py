@@ -27,8 +27,7 @@ from hknob_cli.terminal import heed, reporting, say, tell
 
 if TYPE_CHECKING:
     from hknob_cli.cli.run_done import Stage
-    from hknob_cli.pipeline.build import Outcome
-    from hknob_cli.pipeline.nodes import Step
+    from hknob_cli.pipeline.build import Outcome, Step
     from hknob_cli.pipeline.one_claim import OneClaim
     from hknob_cli.results.changes import Change
     from hknob_cli.specs.stage_plans import PipelinePlan

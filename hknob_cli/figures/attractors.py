@@ -12,8 +12,7 @@ import pyarrow as pa
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.grid import axes_of
 from hknob_cli.figures.numbers import number
-from hknob_cli.figures.panel import edges_between
-from hknob_cli.figures.trajectory_picture import Scale
+from hknob_cli.figures.panel import Scale, edges_between
 from hknob_cli.results.result_set import MissingError, ResultSet, Where, matching
 from hknob_cli.specs.plan import COUNTS, RATE
 

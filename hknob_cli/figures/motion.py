@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from hknob_cli.figures import drawing, theme
-from hknob_cli.figures.panel import draw_steps, draw_torque_axis, draw_wall, key, scale_of, torque_scale
+from hknob_cli.figures.panel import Scale, draw_steps, draw_torque_axis, draw_wall, key, scale_of, torque_scale
 from hknob_cli.figures.recording import Of, Recording, Which, recordings
-from hknob_cli.figures.trajectory_picture import Scale
 from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:

@@ -1,15 +1,133 @@
-"""What panels of motion share: units, the wall and its counts, keys above the axes, steps."""
+"""What panels of motion share: units, the wall and its counts, keys above the axes, steps; and recorded trials.
 
+Recorded trials are drawn as in Hasser, Figs. 22-28: the torque is divided by -K, so that a wall that follows the angle
+at once and exactly would lie on it; where that would dwarf the motion (Fig. 24), it has a scale of its own. Below, the
+energy of knob, hand and push, bold while the wall does not act: what leaks in shows there. Without a wall (Figs. 15,
+16) the accelerations.
+"""
+
+from itertools import pairwise
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pyarrow as pa
 
 from hknob_cli.figures import theme
 from hknob_cli.figures.recording import Recording
-from hknob_cli.figures.trajectory_picture import Scale
+from hknob_cli.figures.sheet import save
+from hknob_cli.report.table import short
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+MOST_PANELS = 6
+HIDDEN = 2.0  # times the motion that the torque may be, in angle, before it gets a scale of its own
+_PREFIXES = (("", 1.0), ("m", 1e3), ("\u00b5", 1e6), ("n", 1e9))
+
+
+class Scale:
+    """A unit that suits the largest of some numbers: its prefix, and the factor from SI."""
+
+    def __init__(self, largest: float) -> None:
+        self.prefix, self.factor = next(
+            ((prefix, factor) for prefix, factor in _PREFIXES[1:] if largest * factor >= 1.0), _PREFIXES[-1]
+        )
+
+    def of(self, rows: list[dict[str, Any]], column: str) -> list[float]:
+        """A column in this unit."""
+        return [self.factor * row[column] for row in rows]
+
+
+def draw_trajectories(table: pa.Table, axes: list[str], stiffness: float, *, title: str, path: Path) -> None:
+    """Draw the first trials of ``table`` into ``path`` (PNG). Raises `ComputationError` if it cannot be written."""
+    rows = table.to_pylist()
+    apart = [*axes, *(["start_rad"] if "start_rad" in rows[0] else []), "trial"]
+    groups: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
+    for row in rows:
+        groups.setdefault(tuple(row[name] for name in apart), []).append(row)
+    shown = list(groups.items())[:MOST_PANELS]
+    figure = theme.figure(width=9.5, height=1.2 + 3.6 * len(shown))
+    panels = figure.subplots(2 * len(shown), 1, squeeze=False, height_ratios=[2.2, 1.0] * len(shown))[:, 0]
+    time = Scale(max(row["time_s"] for row in rows))
+    several = len({key[-1] for key in groups}) > 1
+    drawn = [row for _, trial in shown for row in trial]
+    apart_scale = max(abs(row["torque_nm"]) for row in drawn) > HIDDEN * stiffness * max(
+        abs(row["angle_rad"]) for row in drawn
+    )
+    for i, (key, trial) in enumerate(shown):
+        _draw_motion(panels[2 * i], trial, stiffness, time, apart=apart_scale)
+        (_draw_energy if stiffness > 0.0 else _draw_acceleration)(panels[2 * i + 1], trial, time)
+        panels[2 * i + 1].sharex(panels[2 * i])
+        names = [f"{name} = {short(value, 6)}" for name, value in zip(apart[:-1], key, strict=False)]
+        panels[2 * i].set_title(", ".join([*names, *([f"trial {key[-1]}"] if several else [])]), fontsize=10)
+    panels[-1].set_xlabel(f"time, {time.prefix}s")
+    left = len(groups) - len(shown)
+    what = "motion against the wall" if stiffness > 0.0 else "motion"
+    figure.suptitle(f"{title}: {what}" + (f"  ({left} more recordings not drawn)" if left else ""))
+    save(figure, path, stage="sweep", name=title)
+
+
+def _draw_motion(panel: Any, rows: list[dict[str, Any]], stiffness: float, time: Scale, *, apart: bool) -> None:
+    columns = ["angle_rad", *(["finger_angle_rad"] if "finger_angle_rad" in rows[0] else [])]
+    largest = max(abs(row[column]) for row in rows for column in columns)
+    angle, times = Scale(largest), time.of(rows, "time_s")
+    if stiffness > 0.0:
+        panel.axhspan(min(0.0, *angle.of(rows, "angle_rad")), 0.0, color="0.9", linewidth=0)
+    lines = panel.plot(times, angle.of(rows, "angle_rad"), color="#1f4e8c", linewidth=1.6, label="knob")
+    if len(columns) > 1:
+        finger = angle.of(rows, "finger_angle_rad")
+        lines += panel.plot(times, finger, color="#6aa2d8", linewidth=1.2, linestyle="--", label="finger")
+    pulse = [t for t, row in zip(times, rows, strict=True) if row["event"] == "pulse ends"]
+    if pulse:
+        lines.append(panel.axvspan(0.0, pulse[0], color="#f2d9b0", linewidth=0, label="pulse"))
+    step = max(abs(row["torque_nm"]) for row in rows)
+    if apart and step > 0.0:
+        own, unit = panel.twinx(), Scale(step)
+        torque = [-unit.factor * row["torque_nm"] for row in rows]
+        lines += _draw_torque(own, times, torque, f"torque of the wall, -{unit.prefix}N\u00b7m (right)")
+        low, high = panel.get_ylim()
+        low = min(low, -0.5 * high)
+        panel.set_ylim(low, high)
+        deep = -1.1 * unit.factor * step
+        own.set_ylim(deep, deep * high / low)  # the same zero on both sides
+    elif stiffness > 0.0:
+        torque = [-angle.factor * row["torque_nm"] / stiffness for row in rows]
+        lines += _draw_torque(panel, times, torque, "torque of the wall / -K")
+    panel.axhline(0.0, color="0.4", linewidth=0.8)
+    panel.set_ylabel(f"angle, {angle.prefix}rad")
+    panel.legend(handles=lines, loc="best", fontsize=8)
+    panel.grid(alpha=0.3)
+
+
+def _draw_torque(panel: Any, times: list[float], values: list[float], label: str) -> list[Any]:
+    drawn: list[Any] = panel.plot(times, values, color="#c4501b", linewidth=1.2, drawstyle="steps-post", label=label)
+    return drawn
+
+
+def _draw_energy(panel: Any, rows: list[dict[str, Any]], time: Scale) -> None:
+    unit = Scale(max(abs(row["energy_j"]) for row in rows))
+    times, energy = time.of(rows, "time_s"), unit.of(rows, "energy_j")
+    panel.plot(times, energy, color="0.6", linewidth=1.0)
+    free = [e if row["torque_nm"] == 0.0 else float("nan") for e, row in zip(energy, rows, strict=True)]
+    panel.plot(times, free, color="0.15", linewidth=2.2, label="while the wall does not act")
+    panel.legend(loc="best", fontsize=8)
+    panel.set_ylabel(f"energy, {unit.prefix}J")
+    panel.grid(alpha=0.3)
+
+
+def _draw_acceleration(panel: Any, rows: list[dict[str, Any]], time: Scale) -> None:
+    """Mean accelerations between rows."""
+    pairs = [(a, b) for a, b in pairwise(rows) if b["time_s"] > a["time_s"]]
+    times = [0.5 * time.factor * (a["time_s"] + b["time_s"]) for a, b in pairs]
+    for part, color, style in (("", "#1f4e8c", "-"), ("finger_", "#6aa2d8", "--")):
+        column = f"{part}velocity_rad_s"
+        if column in rows[0]:
+            values = [1e-3 * (b[column] - a[column]) / (b["time_s"] - a["time_s"]) for a, b in pairs]
+            panel.plot(times, values, color=color, linestyle=style, linewidth=1.4)
+    panel.set_ylabel("acceleration,\n10\u00b3 rad/s\u00b2")
+    panel.grid(alpha=0.3)
+
 
 ROOM = 145  # characters of a key's line in a full-width figure, its lines and gaps counted as six an entry
 BESIDE = 0.8  # inches beside a panel, of any width, for its labels

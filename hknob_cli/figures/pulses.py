@@ -13,9 +13,8 @@ import numpy as np
 
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.identification import Pulsed, plan_of, plant_of, pulsed, recorded, rows_of
-from hknob_cli.figures.panel import key, scale_of
+from hknob_cli.figures.panel import Scale, key, scale_of
 from hknob_cli.figures.recording import At, Of, one_recording
-from hknob_cli.figures.trajectory_picture import Scale
 from hknob_cli.identify.second_order import Plant, respond
 from hknob_cli.recordings.trial import Trial
 from hknob_cli.results.result_set import MissingError, ResultSet

@@ -120,7 +120,7 @@ def settings_of(plan: HwRunPlan | PulsePlan, trial: Trial) -> Settings:
         block_samples=min(max(block, 1), MOST_SAMPLES),
     )
     if acts.encoder or acts.actuator:
-        from hknob_cli.hardware.converters import converters_of
+        from hknob_cli.hardware.trial_wall import converters_of
 
         settings = settings._replace(converters=converters_of(acts.encoder, acts.actuator))
     if plan.effects:

@@ -8,12 +8,12 @@ import numpy as np
 import pyarrow as pa
 
 from hknob_cli.errors import MISSHAPEN
-from hknob_cli.hardware.converters import words_of
 from hknob_cli.hardware.order import Trial, period_ns, settings_of
 from hknob_cli.hardware.person import grip_of, squeezer, squeezing_hand
 from hknob_cli.hardware.sample_clock import audit
 from hknob_cli.hardware.trial_file import Recorded
 from hknob_cli.hardware.trial_phases import Ended
+from hknob_cli.hardware.trial_wall import words_of
 from hknob_cli.hardware.wire.acts import pack_act, pieces_of
 from hknob_cli.recordings.files import first_line
 from hknob_cli.recordings.measured_cycle import TrialMeasures, measure_trial

@@ -6,8 +6,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hknob_cli.identify.align import Aligned, UnusableError, align, even, interval
-from hknob_cli.identify.motion import Motion, differentiate, encoder_step, smooth
+from hknob_cli.identify.motion import (
+    Aligned,
+    Motion,
+    UnusableError,
+    align,
+    differentiate,
+    encoder_step,
+    even,
+    interval,
+    smooth,
+)
 from hknob_cli.recordings.health import flags, running_flags
 from hknob_cli.recordings.trial import Array, Trial
 

@@ -4,5 +4,5 @@
 - `forms` integrals of motion in arrays
 - `unsampled` trials without a sample clock
 - `growth` of energy from bounce to bounce
-- `harmonics` an orbit as a sum of sinusoids, `piece_harmonics` beyond the plain loop
+- `harmonics` an orbit as a sum of sinusoids, `pieces` beyond the plain loop
 """

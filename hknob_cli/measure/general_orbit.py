@@ -15,7 +15,6 @@ from hknob_cli.engine.general.teeth import APART
 from hknob_cli.engine.orbit.forms import RULE
 from hknob_cli.engine.orbit.leak import find_leak
 from hknob_cli.engine.outcome import Outcome, Reason
-from hknob_cli.measure.behind import extremes, knob_row, mesh_row
 from hknob_cli.measure.forms import (
     Array,
     Integrals,
@@ -28,7 +27,7 @@ from hknob_cli.measure.forms import (
 )
 from hknob_cli.measure.harmonics import Harmonics, harmonic_count, scaled
 from hknob_cli.measure.orbit import OrbitMeasures, at_rest
-from hknob_cli.measure.piece_harmonics import NEGLIGIBLE, of_chart
+from hknob_cli.measure.pieces import NEGLIGIBLE, extremes, knob_row, mesh_row, of_chart
 from hknob_cli.scene.general_knob import GeneralKnob
 
 RATTLE = 4096  # samples over which a motion that does not repeat is measured

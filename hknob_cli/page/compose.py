@@ -6,6 +6,7 @@ import itertools
 import json
 import re
 from collections.abc import Callable
+from html import unescape
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -13,14 +14,41 @@ from hknob_cli.errors import MISSHAPEN, UsageError
 from hknob_cli.figures import drawing_of
 from hknob_cli.figures.defaults import figures_of
 from hknob_cli.page.answers import answers_of, tiles_of
-from hknob_cli.page.book import Chapter, Page, Source, Table
+from hknob_cli.page.book import Chapter, Page, Part, Place, Source, Table
 from hknob_cli.page.by_processes import Progress
 from hknob_cli.page.claims.checks import argument_fault, check_fault
-from hknob_cli.page.contents import read_contents
 from hknob_cli.page.drawn import draw_figures, filled
 from hknob_cli.page.tables import table_of
 from hknob_cli.results.result_set import CAMPAIGN, MissingError, Result, ResultSet
+from hknob_cli.specs.named_file import read_named
 from hknob_cli.specs.stage_plans import ChapterPlan, ReportPlan, Sentence, TablePlan
+
+_HEADING = re.compile(r"^## (.+)$")
+_CELLS = 3  # place, what it is, where it is here
+
+
+def read_contents(path: Path) -> tuple[Part, ...]:
+    """The sections of a file, each with the rows of its table. Raises `UsageError` where there is no such row."""
+    parts: list[tuple[str, list[Place]]] = []
+    for line in read_named(path).decode("utf-8", "replace").splitlines():
+        if heading := _HEADING.match(line):
+            parts.append((heading[1].strip(), []))
+        elif parts and line.startswith("| ") and (place := _place(line)):
+            parts[-1][1].append(place)
+    found = tuple(Part(title, tuple(places)) for title, places in parts if places)
+    if not found:
+        raise UsageError(f"{path}: has no section with a table of places: | place | what it is | where it is here |")
+    return found
+
+
+def _place(line: str) -> Place | None:
+    cells = [cell.strip() for cell in line.strip().strip("|").split(" | ")]
+    if len(cells) != _CELLS or cells[0] == "place":
+        return None
+    name, title, where = (unescape(cell) for cell in cells)
+    pieces = tuple((piece, place % 2 == 1) for place, piece in enumerate(where.split("`")) if piece)
+    return Place(name.strip("*"), title, pieces, name.startswith("**"))
+
 
 _MEAN = "Peak to peak and frequency are means over the trials that cycle."
 _TITLES = {

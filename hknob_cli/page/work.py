@@ -10,8 +10,7 @@ from hknob_cli.errors import UsageError
 from hknob_cli.figures.theme import library_defaults
 from hknob_cli.page.claims.ledger import load_ledger
 from hknob_cli.page.claims.verdict import VERDICTS, judge
-from hknob_cli.page.compose import Judgement, compose, plan_faults
-from hknob_cli.page.contents import read_contents
+from hknob_cli.page.compose import Judgement, compose, plan_faults, read_contents
 from hknob_cli.page.layout import lay_out
 from hknob_cli.printed.tables import NUMBERS, file_of
 from hknob_cli.results import store

@@ -1,11 +1,10 @@
 """The pipeline: steps that run in the order of their inputs, and only where something has changed.
 
-- `build` pytask asked, its answer read
+- `build` a stage and its files, as pytask's protocols want them; pytask asked, its answer read
 - `verify` whether files are as they were written
 - `fresh` whether there is anything to do, without loading it
 - `one_claim` the stages that one claim of its page needs, and the verdict
 - `steps` from a pipeline's plan to stages with their files, and what each has found
-- `nodes` a stage and its files, as pytask's protocols want them
 - `side_by_side` stages that need nothing of one another, made by several processes
 
 A pipeline's record is pytask's. Steps are nodes with the digest of their content: spec files, what the pipeline sets,

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hknob_cli.errors import Fault, HknobError, SpecError, UsageError
+from hknob_cli.pipeline.build import Step
 from hknob_cli.pipeline.fresh import spec_digest
-from hknob_cli.pipeline.nodes import Step
 from hknob_cli.pipeline.side_by_side import SideBySide, Task
 from hknob_cli.results.files import refuse_link
 from hknob_cli.specs.load import load

@@ -1,11 +1,12 @@
-"""The parts of a scene in plain words: a sentence each, with SI values and units, and what varies over the grid."""
+"""The parts of a scene in plain words, and what ``hknob explain`` says of a spec."""
 
 from collections.abc import Iterator
 from itertools import product
 from math import pi
-from typing import Any
+from typing import Any, NamedTuple
 
-from hknob_cli.report.table import short
+from hknob_cli.report.derived_numbers import Number
+from hknob_cli.report.table import folded, short
 from hknob_cli.specs.declared import unit_at
 from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Axes, Hand, Scene, placed, value_at
 from hknob_cli.specs.squeeze import DECIDING, grip_of, left_out
@@ -248,3 +249,38 @@ def _keys(controller: Any) -> Iterator[tuple[str, Any]]:
     from hknob_cli.specs.controller import KINDS
 
     yield from ((key, getattr(controller, key)) for key in KINDS[controller.kind].keys)
+
+
+class Explained(NamedTuple):
+    """What a spec describes: its ``kind``, ``name``, and the ``answer`` in a sentence.
+
+    ``sections``: sentences by title; ``numbers``: what follows from a scene; ``next``: the command to run then.
+    """
+
+    kind: str
+    name: str
+    answer: str
+    sections: dict[str, list[str]]
+    numbers: list[Number]
+    next: str
+
+
+def as_data(found: Explained) -> dict[str, Any]:
+    """The same as plain data, numbers in SI units."""
+    numbers = [
+        {"name": one.name, "unit": one.unit, "least": one.least, "largest": one.largest, "means": one.means}
+        for one in found.numbers
+    ]
+    sections = {title.replace(" ", "_"): lines for title, lines in found.sections.items()}
+    return {"kind": found.kind, "name": found.name, "answer": found.answer, **sections, "numbers": numbers}
+
+
+def explained_text(found: Explained) -> str:
+    """The same for the terminal."""
+    lines = [found.answer]
+    for title, said in found.sections.items():
+        if said:
+            lines += ["", f"{title[0].upper()}{title[1:]}:", *(f"  {line}" for line in said)]
+    if found.numbers:
+        lines += ["", "What follows:", *(f"  {one.name}: {one.text} ({one.means})" for one in found.numbers)]
+    return folded("\n".join([*lines, "", f"next: {found.next}"]))

@@ -10,12 +10,11 @@ from hknob_cli.specs.derived import derived_sweep
 from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.grid import AxisError, axis_values
 from hknob_cli.specs.grid import Value as Written
-from hknob_cli.specs.hand import HandSpec
+from hknob_cli.specs.hand import HandSpec, PopulationSpec
 from hknob_cli.specs.messages import nearest
 from hknob_cli.specs.part import Part
 from hknob_cli.specs.perception import Perceive
 from hknob_cli.specs.plan import COUNTS, PERSON, RATE, Axes, Hand, SweepPlan
-from hknob_cli.specs.population import PopulationSpec
 from hknob_cli.specs.quantity import Stiffness, Torque
 from hknob_cli.specs.remedies import Label, RemedySpec, beyond, misfit, sets
 from hknob_cli.specs.scene_paths import scalar_field, scalar_paths

@@ -7,7 +7,7 @@ MODULES: dict[str, str] = {
     "amplifier_step": "apparatus",
     "apparatus_drawing": "apparatus",
     "attractors": "attractors",
-    "axis_lines": "axis_lines",
+    "axis_lines": "lines",
     "basins": "attractors",
     "bias_curves": "identified_values",
     "block_diagram": "schematic",

@@ -10,7 +10,7 @@ from math import inf
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from hknob_cli.errors import UsageError
-from hknob_cli.specs.hand import same_grip
+from hknob_cli.specs.hand import PopulationSpec, same_grip
 from hknob_cli.specs.hand_from import (
     APPARATUS,
     STDS,
@@ -25,7 +25,6 @@ from hknob_cli.specs.hand_from import (
 from hknob_cli.specs.part import Place
 from hknob_cli.specs.parts import Origin
 from hknob_cli.specs.plan import Hand
-from hknob_cli.specs.population import PopulationSpec
 from hknob_cli.specs.source import Source
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""The hand on the knob in a spec: by its numbers, as measured at a grip, as identified, or with a finger of its own."""
+"""The hand on the knob in a spec: by its numbers, as measured at a grip, as identified, or of a population."""
 
 from math import isclose
 from typing import Annotated, Any, Literal
@@ -184,3 +184,73 @@ def _too_light(spec: HandSpec, hand: plan.Hand, knob_inertia: float, axes: plan.
             at = f"at {grip:g} N, " if grip else ""
             found.append((place, f"must leave an inertia above 0: {at}{less}, and the knob has {knob:g}"))
     return found
+
+
+MOST_PEOPLE = 100_000
+_DRAWN = ("people", "seed")
+_PEOPLE_OF_A_FILE = ("experiment", "estimator", "subtract_apparatus", "spread")
+
+
+def _population_exclusions(schema: dict[str, Any]) -> None:
+    """Say in the JSON Schema which keys need or exclude one another."""
+    schema["oneOf"] = [{"required": ["from"]}, {"required": ["table"]}]
+    table = {**dict.fromkeys(_PEOPLE_OF_A_FILE, False), "grip_n": printed_grip_schema()}
+    schema["dependentSchemas"] = {"table": {"required": ["grip_n"], "properties": table}}
+    subjects = {"required": ["spread"], "properties": {"spread": {"const": "subjects"}}}
+    schema |= {"if": subjects, "then": {"properties": dict.fromkeys(_DRAWN, False)}}
+
+
+class PopulationSpec(Part):
+    """People who turn the knob: every cell of the grid is swept for the hand of each."""
+
+    model_config = ConfigDict(json_schema_extra=_population_exclusions)
+
+    from_: Annotated[
+        str | None,
+        Field(
+            alias="from",
+            min_length=1,
+            description="results of sysid, a folder or its conditions.parquet, relative to this file",
+        ),
+    ] = None
+    table: Annotated[
+        Literal[1, 2, 3, 4, 5] | None,
+        WHOLE,
+        Field(description="Hasser's hand models: printed means and deviations"),
+    ] = None
+    grip_n: Annotated[Grip | None, Field(description="row of the table or file: its grip force")] = None
+    experiment: Annotated[Label | None, Field(description="of the file: its experiment")] = None
+    estimator: Annotated[str | None, Field(description="of the file: default output_error, if it is there")] = None
+    subtract_apparatus: Annotated[
+        Inertia | None, NotSweepable(), Field(description="inertia of the apparatus, where the file's includes it")
+    ] = None
+    spread: Annotated[
+        Literal["lognormal", "subjects"],
+        Field(description="people drawn from a lognormal as the subjects of the file spread; or these subjects"),
+    ] = "lognormal"
+    people: Annotated[int, Field(strict=True, ge=1, le=MOST_PEOPLE, description="people to draw")] = 200
+    seed: Annotated[int, Field(strict=True, ge=0, le=2**32 - 1, description="of the draw; the same people by it")] = 1
+
+    _printed = field_validator("grip_n")(printed_beside_table)
+
+    @model_validator(mode="after")
+    def _one_of(self) -> "PopulationSpec":
+        if (self.from_ is None) == (self.table is None):
+            raise PydanticCustomError("one_of", "must have exactly one of 'from' and 'table'")
+        if self.table is not None and self.grip_n is None:
+            raise PydanticCustomError("two_keys", "must have 'grip_n' beside 'table'")
+        return self
+
+    def contradictions(self) -> list[tuple[str, str]]:
+        """Keys that others exclude, and why."""
+        found = []
+        if self.table is not None:
+            found += [
+                (key, "must be absent where people are of a table") for key in _PEOPLE_OF_A_FILE if self._given(key)
+            ]
+        elif self.spread == "subjects":
+            found += [(key, "must be absent where the people are the subjects") for key in _DRAWN if self._given(key)]
+        return found
+
+    def _given(self, key: str) -> bool:
+        return key in self.model_fields_set

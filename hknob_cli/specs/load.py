@@ -13,10 +13,10 @@ from hknob_cli.specs.cells import cells_over
 from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.grid import MAX_CELLS, Grid
 from hknob_cli.specs.grid_axes import Limit, resolve_axes, too_many
+from hknob_cli.specs.hand import PopulationSpec
 from hknob_cli.specs.messages import closest, shown, unknown
 from hknob_cli.specs.named_file import digest_of
 from hknob_cli.specs.plan import COUNTS, PERSON, RATE, Axes, DfaPlan, Hand, Plan, PredictPlan, SweepPlan
-from hknob_cli.specs.population import PopulationSpec
 from hknob_cli.specs.preset import take_preset
 from hknob_cli.specs.refusals import contradictions, refusals
 from hknob_cli.specs.scene import SceneSpec

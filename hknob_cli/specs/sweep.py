@@ -6,10 +6,10 @@ from pydantic import Discriminator, Field, Tag
 
 from hknob_cli.specs.cells import cells_over
 from hknob_cli.specs.grid import MAX_CELLS, Grid
+from hknob_cli.specs.hand import PopulationSpec
 from hknob_cli.specs.part import Part, Place
 from hknob_cli.specs.perception import Perceive
 from hknob_cli.specs.plan import RATE, Axes, Pulse, Record, Starts, SweepPlan
-from hknob_cli.specs.population import PopulationSpec
 from hknob_cli.specs.quantity import Angle, MayBeFloat, PositiveSeconds, Velocity
 from hknob_cli.specs.refusals import Faults, apart, refusals, start_refusals
 from hknob_cli.specs.scene import SceneSpec

@@ -21,9 +21,8 @@ from hknob_cli.specs.quantity import (
     Torque,
 )
 from hknob_cli.specs.source import Source
-from hknob_cli.specs.study import StudySpec, plan_study
 from hknob_cli.specs.sweep import Name
-from hknob_cli.specs.virtual_apparatus import VirtualSpec
+from hknob_cli.specs.virtual_apparatus import StudySpec, VirtualSpec, plan_study
 
 What = Literal["hand", "motor", "grip_cell", "apparatus"]
 Estimator = Literal[

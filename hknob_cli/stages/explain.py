@@ -4,14 +4,12 @@ from collections.abc import Callable
 from typing import Any
 
 from hknob_cli.report.derived_numbers import derived_numbers, passivity
-from hknob_cli.report.explained import Explained
-from hknob_cli.report.scene_words import scene_sentences
+from hknob_cli.report.scene_words import Explained, scene_sentences
 from hknob_cli.report.table import short
 from hknob_cli.specs.capabilities import ESTIMATED, parts_of, verdict_of
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import Axes, Cell, Scene, SweepPlan, is_unpushed, may_have, scene_at
-from hknob_cli.specs.promise import not_proven
-from hknob_cli.specs.usual import unusual
+from hknob_cli.specs.remarks import not_proven, unusual
 from hknob_cli.stage_table import STAGES, loaded
 from hknob_cli.stages.grid_words import grid_lines, size, starts_lines, who
 from hknob_cli.stages.hw_run.explained import explained_campaign

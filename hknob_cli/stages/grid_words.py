@@ -6,7 +6,7 @@ from hknob_cli.report.scene_words import range_of
 from hknob_cli.report.table import labels, short
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Scene, Starts
-from hknob_cli.specs.promise import follows_all
+from hknob_cli.specs.remarks import follows_all
 from hknob_cli.stages.work import counted
 
 _AXES = {RATE: "sample rates", COUNTS: "encoder resolutions", PERSON: "hands", GRIP: "grips"}

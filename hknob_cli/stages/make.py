@@ -12,7 +12,7 @@ from hknob_cli.results.changes import Change, changes, in_a_line, record_at
 from hknob_cli.results.files import make_folder
 from hknob_cli.results.provenance import mark
 from hknob_cli.results.store import refuse_mixed
-from hknob_cli.specs.usual import unusual
+from hknob_cli.specs.remarks import unusual
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.work import Tables, Work, hand_inputs, hand_notes, note, preset_inputs
 

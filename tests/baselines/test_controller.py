@@ -4,7 +4,7 @@ from math import pi
 
 import pytest
 
-from hknob_cli.baselines.controller import Controller
+from hknob_cli.baselines.model import Controller
 from hknob_cli.specs.plan import Actuator, Encoder, Wall
 from tests.baselines.trials import COUNTS, PERIOD, STIFFNESS, trial
 

@@ -7,8 +7,8 @@ import pytest
 
 from hknob_cli.baselines import kernels
 from hknob_cli.baselines.catalogue import Setting
-from hknob_cli.baselines.controller import Controller
 from hknob_cli.baselines.fixed_step import METHODS, ORDER, FixedStep, compiled
+from hknob_cli.baselines.model import Controller
 from hknob_cli.baselines.run import Deadline, follow
 from hknob_cli.specs.plan import Actuator, Bias, Encoder, Finger, Fingerpad, Hand, Knob, Wall
 from tests.baselines.trials import INERTIA, by, by_digits60, trial

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hknob_cli.baselines.plant import bias_torque, build_plant, start_state
+from hknob_cli.baselines.model import bias_torque, build_plant, start_state
 from hknob_cli.specs.plan import Actuator, Bias, Finger, Fingerpad, Hand, Knob, Scene, Wall
 from tests.baselines.trials import trial
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from hknob_cli.cli.explain import _explained
-from hknob_cli.report.explained import as_data, explained_text
+from hknob_cli.report.scene_words import as_data, explained_text
 from hknob_cli.specs.load import load
 from hknob_cli.specs.starter import starter
 from hknob_cli.stage_table import KINDS, STAGES

@@ -231,7 +231,7 @@ def test_every_drawing_of_grids_is_tried() -> None:
     ours = {"bench", "difference", "laws", "lines", "maps", "orbits", "schematic", "senses", "stability"}
     ours |= {"what_matters"}
     elsewhere = {"schematic", "torque_reach", "what_explains"}  # tests of motion, of campaigns
-    elsewhere |= {"equal_loudness", "touch_thresholds"}  # of remedies
+    elsewhere |= {"axis_lines", "equal_loudness", "touch_thresholds"}  # of plots, of remedies
     drawings = {name for name, module in MODULES.items() if module in ours}
     assert drawings - elsewhere == {case[0] for case in CASES}
 

@@ -15,12 +15,12 @@ import pytest
 from hknob_cli.errors import DeviceError, UsageError
 from hknob_cli.hardware import reference_target
 from hknob_cli.hardware.control import control_of, over_angle_of
-from hknob_cli.hardware.converters import Conversion
 from hknob_cli.hardware.order import settings_of, trials_of
 from hknob_cli.hardware.person import squeezer
 from hknob_cli.hardware.port import ROUNDINGS, Block, Converters, Device, Settings, Simulated, Sine
 from hknob_cli.hardware.reference_target import QEMU, SOURCES, Target, build_target, compiler, run_target
 from hknob_cli.hardware.serial_device import SerialDevice
+from hknob_cli.hardware.trial_wall import Conversion
 from hknob_cli.hardware.virtual import VirtualDevice
 from hknob_cli.hardware.wire.answers import Ack, Event
 from hknob_cli.hardware.wire.codes import Kind, Status, Trip

@@ -13,9 +13,8 @@ import pytest
 
 from hknob_cli.engine.general.controller import send
 from hknob_cli.hardware.control import begins_of
-from hknob_cli.hardware.converters import MOST, Conversion, TorqueLine, converters_of, room_of, slots_of
 from hknob_cli.hardware.port import ROUNDINGS, Converters, Settings
-from hknob_cli.hardware.trial_wall import TrialWall
+from hknob_cli.hardware.trial_wall import MOST, Conversion, TorqueLine, TrialWall, converters_of, room_of, slots_of
 from hknob_cli.hardware.wire.codes import Kind, Law, State, Status
 from hknob_cli.hardware.wire.commands import Alive, Configure, Plain, SetAct
 from hknob_cli.scene.general_knob import sample_general

@@ -14,7 +14,6 @@ from hknob_cli.hardware import drivers, journal, order, person, ranges, trial_ru
 from hknob_cli.hardware.archive import Archive
 from hknob_cli.hardware.campaign import GO_ON, IN_VAIN, UNSAFE, Campaign
 from hknob_cli.hardware.control import ControlledWall, ShapedWall, looks_of, over_angle_of
-from hknob_cli.hardware.converters import NONE, ROUNDINGS, Conversion, slots_of
 from hknob_cli.hardware.grip_trigger import pulse_of
 from hknob_cli.hardware.journal import Journal, packed, read_journal
 from hknob_cli.hardware.knob_motion import PATIENCE, KnobMotion, Nuisances
@@ -38,7 +37,7 @@ from hknob_cli.hardware.tables import _fired_s, _pulse, _pulse_doubts, _torque_h
 from hknob_cli.hardware.trial_file import Recorded, Samples, _more, joined, read_trial, write_trial
 from hknob_cli.hardware.trial_phases import Ended, PulsePhases
 from hknob_cli.hardware.trial_run import Nobody, Outcome, Task, run_trial
-from hknob_cli.hardware.trial_wall import PlainWall, Sent, TrialWall
+from hknob_cli.hardware.trial_wall import NONE, ROUNDINGS, Conversion, PlainWall, Sent, TrialWall, slots_of
 from hknob_cli.hardware.virtual import IDENTITY, VirtualDevice, VirtualLoop
 from hknob_cli.recordings.spectrum import torque_rises_hz
 from hknob_cli.results.campaign_files import TRIED, TRUTH

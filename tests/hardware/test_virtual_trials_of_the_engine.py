@@ -14,8 +14,8 @@ from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.laws.law import PIECE, TORQUE
 from hknob_cli.engine.general.laws.step import advance_with_law, begin_past, decide
 from hknob_cli.hardware.control import control_of
-from hknob_cli.hardware.converters import Conversion, converters_of
 from hknob_cli.hardware.knob_motion import Nuisances
+from hknob_cli.hardware.trial_wall import Conversion, converters_of
 from hknob_cli.hardware.virtual import IDENTITY
 from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.plan import Actuator, Bias, Encoder, Hand, Knob, Scene, Wall

@@ -7,10 +7,10 @@ import pytest
 
 from hknob_cli.engine.general.search import PeriodSegments
 from hknob_cli.measure import general_orbit
-from hknob_cli.measure.behind import _balanced
 from hknob_cli.measure.forms import loss_form, relaxed
 from hknob_cli.measure.general_orbit import GeneralMeasurer
 from hknob_cli.measure.growth import bounce_peaks
+from hknob_cli.measure.pieces import _balanced
 from tests.engine.general.bodies import knob
 from tests.engine.test_bounces import sampled
 

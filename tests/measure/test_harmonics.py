@@ -15,7 +15,7 @@ from hknob_cli.measure.forms import generator
 from hknob_cli.measure.general_orbit import GeneralMeasurer
 from hknob_cli.measure.harmonics import MOST_HARMONICS, Harmonics, harmonic_count
 from hknob_cli.measure.orbit import Measurer
-from hknob_cli.measure.piece_harmonics import _scattered, _shared, _sight, _transform
+from hknob_cli.measure.pieces import _scattered, _shared, _sight, _transform
 from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.scene.sampled_knob import sample_knob
 from hknob_cli.specs.drive import reduced

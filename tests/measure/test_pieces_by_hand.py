@@ -14,10 +14,10 @@ from hknob_cli.engine.general.search import PeriodSegments
 from hknob_cli.engine.general.teeth import APART, BACK, ON_STABLE, ON_UNSTABLE, STUCK_APART, STUCK_BACK
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.measure import general_orbit
-from hknob_cli.measure.behind import _balanced, _exponential, _refined, extremes, mesh_row
 from hknob_cli.measure.forms import WALL, cogs_of, generator, loss_form, piece_starts, regime_of, ways
 from hknob_cli.measure.general_orbit import GeneralMeasurer, _terms
 from hknob_cli.measure.orbit import OrbitMeasures, at_rest
+from hknob_cli.measure.pieces import _balanced, _exponential, _refined, extremes, mesh_row
 from tests.engine.general.bodies import knob
 from tests.engine.general.cogs import Cogged, body_of, by_hand
 from tests.engine.general.gears import Gear, geared

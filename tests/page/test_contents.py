@@ -6,7 +6,7 @@ import pytest
 
 from hknob_cli.errors import SpecError, UsageError
 from hknob_cli.page.book import Place
-from hknob_cli.page.contents import read_contents
+from hknob_cli.page.compose import read_contents
 from hknob_cli.specs.load import load
 from tests.conftest import ROOT
 

@@ -23,8 +23,8 @@ from hknob_cli.specs.capabilities import (
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.plan import SweepPlan, scene_at
-from hknob_cli.specs.promise import not_proven
 from hknob_cli.specs.reference_pages import capabilities_page
+from hknob_cli.specs.remarks import not_proven
 from hknob_cli.specs.source import Source
 from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import ROOT

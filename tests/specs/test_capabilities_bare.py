@@ -22,7 +22,7 @@ from hknob_cli.specs.controller import BY_COUNTS, Controller
 from hknob_cli.specs.controller import KINDS as CONTROLLERS
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.plan import SweepPlan, scene_at
-from hknob_cli.specs.promise import not_proven
+from hknob_cli.specs.remarks import not_proven
 from hknob_cli.specs.source import Source
 from hknob_cli.stages.sweep.run import SweepStage
 from tests.specs.small_cells import BASE, CHANGES, KINDS, planned

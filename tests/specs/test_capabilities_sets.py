@@ -12,7 +12,7 @@ from hknob_cli.specs.capabilities import (
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.plan import SweepPlan, scene_at
-from hknob_cli.specs.promise import not_proven
+from hknob_cli.specs.remarks import not_proven
 from hknob_cli.specs.source import Source
 from hknob_cli.stages.sweep.run import SweepStage
 from tests.specs.small_cells import BASE, BESIDE, CHANGES, KINDS, MORE_STATES, check_sweep, planned

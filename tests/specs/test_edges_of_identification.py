@@ -7,12 +7,11 @@ import pytest
 
 from hknob_cli.errors import SpecError
 from hknob_cli.specs.find_people import Spread, _drawn, draw, find_people
-from hknob_cli.specs.hand import same_grip
+from hknob_cli.specs.hand import PopulationSpec, same_grip
 from hknob_cli.specs.hand_from import BEST_ESTIMATOR, ChoiceError, narrowed
 from hknob_cli.specs.identification import ColumnPlan, SysidPlan
 from hknob_cli.specs.load import load_text
 from hknob_cli.specs.plan import SweepPlan
-from hknob_cli.specs.population import PopulationSpec
 from hknob_cli.specs.source import Source
 from hknob_cli.specs.sysid import MOST_TRIALS
 from hknob_cli.specs.virtual_apparatus import VirtualSpec

@@ -36,9 +36,8 @@ from hknob_cli.specs.plan import (
     SweepPlan,
     Wall,
 )
-from hknob_cli.specs.promise import _hindrance
+from hknob_cli.specs.remarks import USUAL, _hindrance, _text, unusual
 from hknob_cli.specs.source import dotted, parse
-from hknob_cli.specs.usual import USUAL, _text, unusual
 from tests.conftest import SPEC
 
 HAND = "  hand: {inertia: 3.0e-7, damping: 3.45e-4, stiffness: 0.04}\n"

@@ -19,7 +19,7 @@ from hknob_cli.specs.plan import (
     SweepPlan,
     may_have,
 )
-from hknob_cli.specs.promise import not_proven
+from hknob_cli.specs.remarks import not_proven
 from hknob_cli.specs.sweep import PHASES, RecordSpec, StartsSpec, kind_of_starts, plain_starts
 from hknob_cli.specs.unit_points import UnitPoints
 from tests.conftest import SPEC

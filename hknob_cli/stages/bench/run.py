@@ -33,7 +33,7 @@ import pyarrow as pa
 
 from hknob_cli.baselines import mujoco_hinge
 from hknob_cli.baselines.catalogue import Setting, settings
-from hknob_cli.baselines.controller import Controller
+from hknob_cli.baselines.model import Controller
 from hknob_cli.errors import ComputationError
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import Column

@@ -11,8 +11,8 @@ import numpy as np
 
 from hknob_cli.baselines import digits60
 from hknob_cli.baselines.catalogue import Setting, run_rival
-from hknob_cli.baselines.controller import Controller
 from hknob_cli.baselines.fixed_step import METHODS as FIXED
+from hknob_cli.baselines.model import Controller
 from hknob_cli.baselines.mujoco_hinge import INTEGRATORS as MUJOCO
 from hknob_cli.baselines.run import PHASE, Deadline, LostError, Motion, TooSlowError, follow
 from hknob_cli.engine.jit import compiled as compiled_functions

@@ -1,4 +1,4 @@
 """Stage dfa: limit cycles from the frequency response.
 
-- `listed`: a sweep's complete lists, and two-level cycles
+- `run` every method over the grid, beside a sweep's complete lists
 """

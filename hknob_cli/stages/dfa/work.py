@@ -7,8 +7,7 @@ from typing import Any
 from hknob_cli.report.dfa import describe_dfa, dfa_text, nearest_cycles
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.stages import compare
-from hknob_cli.stages.dfa import listed
-from hknob_cli.stages.dfa.run import DfaStage
+from hknob_cli.stages.dfa.run import DfaStage, digest_of_lists
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.work import Tables, Work, compare_scenes, note, overlap_of
 from hknob_cli.terminal import progress_bar
@@ -38,7 +37,7 @@ class DfaWork(Work):
         if not job.plan.against:
             return {}
         found = {"against_sha256": compare.digest(job.plan.against)}
-        orbits = listed.digest(job.plan.against) if "sampled" in job.plan.methods else None
+        orbits = digest_of_lists(job.plan.against) if "sampled" in job.plan.methods else None
         return {**found, **({"against_orbits_sha256": orbits} if orbits else {})}
 
     def compute(self, job: Job) -> Tables:

@@ -110,7 +110,7 @@ def explained_pulses(plan: PulsePlan) -> tuple[str, dict[str, list[str]]]:
 
 
 def _tried(one: Any, reference: str) -> str:
-    from hknob_cli.hardware.converters import converters_of, words_of
+    from hknob_cli.hardware.trial_wall import converters_of, words_of
 
     acts = one.controller.words if one.controller else "no controller"
     told = converters_of(one.encoder, one.actuator)

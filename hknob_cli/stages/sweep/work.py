@@ -102,7 +102,7 @@ class SweepWork(PerceivingWork):
             )
             note(job, f"no {paths[0].name}: {why}")
         if job.plan.record:
-            from hknob_cli.figures.trajectory_picture import draw_trajectories
+            from hknob_cli.figures.panel import draw_trajectories
 
             stiffness = job.plan.scene.wall.stiffness
             draw_trajectories(tables[2], list(job.plan.axes), stiffness, title=job.plan.name, path=paths[1])

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hknob_cli.page.claims.checks.arithmetic import evaluate
+from hknob_cli.page.claims.checks.printed import evaluate
 
 
 @pytest.mark.parametrize(
