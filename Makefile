@@ -97,8 +97,8 @@ schemas: $(VENV)/.run ## regenerate schemas/ and the pages of docs/reference/ th
 	@for kind in $$($(BIN)/python -m hknob_cli.stage_table); do \
 	    $(BIN)/hknob schema $$kind > schemas/$$kind.schema.json || exit 1; done
 	@$(BIN)/python -c 'from hknob_cli.page.reference import reference; print(reference(), end="")' > docs/reference/page.md
-	@$(BIN)/python -c 'from hknob_cli.specs.reference_pages import capabilities_page; print(capabilities_page(), end="")' > docs/reference/capabilities.md
-	@$(BIN)/python -c 'from hknob_cli.specs.reference_pages import presets_page; print(presets_page(), end="")' > docs/reference/presets.md
+	@$(BIN)/python -c 'from hknob_cli.specs.generated import capabilities_page; print(capabilities_page(), end="")' > docs/reference/capabilities.md
+	@$(BIN)/python -c 'from hknob_cli.specs.generated import presets_page; print(presets_page(), end="")' > docs/reference/presets.md
 	@for name in columns spec_keys contents; do $(BIN)/python docs/make/$$name.py > docs/reference/$$name.md || exit 1; done
 	@$(BIN)/python docs/make/signs.py
 	@$(BIN)/hknob explore --no-open --json --out docs/play/knob.html > /dev/null

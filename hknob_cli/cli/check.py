@@ -30,7 +30,7 @@ def schema(
 ) -> None:
     """Print the JSON Schema of a kind of spec."""
     with reporting():
-        from hknob_cli.specs.schema import json_schema, titled
+        from hknob_cli.specs.generated import json_schema, titled
 
         if kind == CLAIMS:
             from hknob_cli.page.claims.ledger import Ledger

@@ -53,8 +53,7 @@ def explore(
 ) -> None:
     """Write a page to play with a knob: sliders, the exact motion, its sound, and a remedy beside it."""
     with reporting():
-        from hknob_cli.page.explore.knob import knobs_of, page_of
-        from hknob_cli.page.explore.sheet import sheet
+        from hknob_cli.page.explore.sheet import knobs_of, page_of, sheet
         from hknob_cli.report.table import folded
         from hknob_cli.stages.work import counted
 

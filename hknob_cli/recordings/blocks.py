@@ -10,8 +10,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute as compute
 
-from hknob_cli.recordings.columns import MAY_MISS, TEXTS
-from hknob_cli.recordings.faults import MOST, Faults
+from hknob_cli.recordings.columns import MAY_MISS, MOST, TEXTS, Faults
 from hknob_cli.recordings.files import NotReadableError
 from hknob_cli.recordings.trial import Array, Key
 from hknob_cli.specs.messages import shown

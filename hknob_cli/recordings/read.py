@@ -9,8 +9,19 @@ import numpy as np
 import pyarrow as pa
 
 from hknob_cli.recordings.blocks import Block, blocks
-from hknob_cli.recordings.columns import EVERY, MAY_MISS, REQUIRED, SAMPLES, SENSED, TORQUES, UNNAMED
-from hknob_cli.recordings.faults import Faults, RecordingError, RowFault, check_trial
+from hknob_cli.recordings.columns import (
+    EVERY,
+    MAY_MISS,
+    REQUIRED,
+    SAMPLES,
+    SENSED,
+    TORQUES,
+    UNNAMED,
+    Faults,
+    RecordingError,
+    RowFault,
+    check_trial,
+)
 from hknob_cli.recordings.files import CELLS, NotReadableError, RecordingFile
 from hknob_cli.recordings.trial import Array, Key, Trial
 from hknob_cli.specs.identification import ColumnPlan

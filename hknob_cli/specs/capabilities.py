@@ -1,7 +1,7 @@
 """What goes with what: each part of a scene beside each engine, law and command. One table, which all others read.
 
 Validation and its messages (`specs.refusals`), the choice of the engine (`engine_of`) and
-docs/reference/capabilities.md (`specs.reference_pages`) are made from it. `P`: the motion is exact, and what is found
+docs/reference/capabilities.md (`specs.generated`) are made from it. `P`: the motion is exact, and what is found
 is proven: limit cycles, and with sets of starts that their list is complete. `E`: the motion is exact, what is found is
 not proven. `~`: estimated, by a formula, published numbers or a record. `-`: refused. A verdict is that of a scene with
 this one part. Of several parts the lowest verdict counts; `EXCEPTIONS` has the pairs that are lower still.
@@ -10,15 +10,15 @@ this one part. Of several parts the lowest verdict counts; `EXCEPTIONS` has the 
 from collections.abc import Iterable, Sequence, Set
 from typing import NamedTuple
 
-from hknob_cli.specs.capability_pairs import ESTIMATED as ESTIMATED
-from hknob_cli.specs.capability_pairs import EXACT as EXACT
-from hknob_cli.specs.capability_pairs import EXCEPTIONS as EXCEPTIONS
-from hknob_cli.specs.capability_pairs import LOWEST_FIRST as LOWEST_FIRST
-from hknob_cli.specs.capability_pairs import PROVEN as PROVEN
-from hknob_cli.specs.capability_pairs import REFUSED as REFUSED
-from hknob_cli.specs.capability_pairs import WORDS as WORDS
 from hknob_cli.specs.capability_reasons import AT as AT
 from hknob_cli.specs.capability_reasons import WHY as WHY
+from hknob_cli.specs.parts_there import ESTIMATED as ESTIMATED
+from hknob_cli.specs.parts_there import EXACT as EXACT
+from hknob_cli.specs.parts_there import EXCEPTIONS as EXCEPTIONS
+from hknob_cli.specs.parts_there import LOWEST_FIRST as LOWEST_FIRST
+from hknob_cli.specs.parts_there import PROVEN as PROVEN
+from hknob_cli.specs.parts_there import REFUSED as REFUSED
+from hknob_cli.specs.parts_there import WORDS as WORDS
 from hknob_cli.specs.parts_there import parts_there
 from hknob_cli.specs.plan import Scene
 

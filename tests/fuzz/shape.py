@@ -6,7 +6,7 @@ from math import nextafter
 from random import Random
 from typing import Any
 
-from hknob_cli.specs.schema import json_schema
+from hknob_cli.specs.generated import json_schema
 from tests.fuzz import nasty
 from tests.fuzz.yaml_text import Raw
 

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from hknob_cli.engine.outcome import Outcome
-from hknob_cli.page.explore.knob import KINDS, knobs_of
+from hknob_cli.page.explore.sheet import KINDS, knobs_of
 from hknob_cli.page.explore.sheet import engine as engine_text
 from hknob_cli.perception.touch import thresholds
 from hknob_cli.scene.trial import simulate

@@ -7,8 +7,7 @@ import re
 
 import pytest
 
-from hknob_cli.page.explore.knob import Knobs, knobs_of
-from hknob_cli.page.explore.sheet import sheet
+from hknob_cli.page.explore.sheet import Knobs, knobs_of, sheet
 from hknob_cli.specs.capabilities import PARTS, VERDICTS
 from tests.conftest import SPEC, loaded
 

@@ -8,7 +8,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from hknob_cli.recordings.faults import RecordingError
+from hknob_cli.recordings.columns import RecordingError
 from hknob_cli.recordings.read import read
 from hknob_cli.recordings.trial import Key
 from hknob_cli.recordings.write import table, write_csv

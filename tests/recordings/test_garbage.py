@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from hknob_cli.recordings.faults import RecordingError
+from hknob_cli.recordings.columns import RecordingError
 from hknob_cli.recordings.read import read
 from tests.recordings.test_read import TEXT
 from tests.spoilt_parquet import odd_text, write_odd_names

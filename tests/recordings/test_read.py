@@ -11,7 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from hknob_cli.errors import ExitCode
-from hknob_cli.recordings.faults import MOST, RecordingError
+from hknob_cli.recordings.columns import MOST, RecordingError
 from hknob_cli.recordings.read import read
 from hknob_cli.recordings.trial import Key
 from hknob_cli.recordings.write import table, write_csv

@@ -21,9 +21,9 @@ from hknob_cli.specs.capabilities import (
     verdict_of,
 )
 from hknob_cli.specs.cells import cells_of
+from hknob_cli.specs.generated import capabilities_page
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.plan import SweepPlan, scene_at
-from hknob_cli.specs.reference_pages import capabilities_page
 from hknob_cli.specs.remarks import not_proven
 from hknob_cli.specs.source import Source
 from hknob_cli.stages.sweep.run import SweepStage

@@ -1,4 +1,4 @@
-"""Tests of `specs.capability_pairs`: pairs that are less together, some of them unless a third part is there."""
+"""Tests of `specs.parts_there`: pairs that are less together, some of them unless a third part is there."""
 
 import pytest
 

@@ -10,9 +10,9 @@ from jsonschema import Draft202012Validator
 
 from hknob_cli.errors import SpecError
 from hknob_cli.specs.cells import cells_of
+from hknob_cli.specs.generated import json_schema
 from hknob_cli.specs.load import load
 from hknob_cli.specs.plan import Hand, scene_at
-from hknob_cli.specs.schema import json_schema
 from hknob_cli.specs.source import parse
 from tests.conftest import EXPERIMENTS, SPEC
 from tests.identified import PEOPLE, condition, conditions, write_conditions

@@ -8,9 +8,9 @@ from jsonschema import Draft202012Validator
 from hknob_cli.errors import SpecError
 from hknob_cli.printed.tables import grasps
 from hknob_cli.specs.cells import cells_of
+from hknob_cli.specs.generated import json_schema
 from hknob_cli.specs.load import load, validate
 from hknob_cli.specs.plan import Hand, Knob, scene_at
-from hknob_cli.specs.schema import json_schema
 from hknob_cli.specs.source import parse
 from tests.conftest import EXPERIMENTS, SPEC, faults_of, loaded
 

@@ -10,10 +10,9 @@ from jsonschema import Draft202012Validator
 
 from hknob_cli.errors import SpecError
 from hknob_cli.specs import preset
+from hknob_cli.specs.generated import json_schema, presets_page
 from hknob_cli.specs.load import load
 from hknob_cli.specs.plan import COUNTS, RATE, Hand
-from hknob_cli.specs.reference_pages import presets_page
-from hknob_cli.specs.schema import json_schema
 from hknob_cli.specs.source import parse, read
 from hknob_cli.stages.job import Job, work_of
 from hknob_cli.stages.make import stamp_of

@@ -5,8 +5,8 @@ import json
 import pytest
 from jsonschema import Draft202012Validator
 
+from hknob_cli.specs.generated import json_schema
 from hknob_cli.specs.load import KINDS
-from hknob_cli.specs.schema import json_schema
 from hknob_cli.specs.source import read
 from tests.conftest import EXPERIMENTS, ROOT
 

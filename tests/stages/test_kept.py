@@ -10,7 +10,7 @@ from hknob_cli.errors import RefusedError
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.source import parse
 from hknob_cli.stages import kept
-from hknob_cli.stages.design.evaluate import Evaluator
+from hknob_cli.stages.design.designs import Evaluator
 from hknob_cli.stages.job import Job, work_of
 from hknob_cli.stages.make import make
 from hknob_cli.stages.remedies import run as remedies

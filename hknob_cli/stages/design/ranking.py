@@ -12,7 +12,7 @@ import numpy as np
 from hknob_cli.perception.published import REDRAWS, Doubt
 from hknob_cli.results.means import together
 from hknob_cli.specs.stage_plans import DesignPlan, Limit
-from hknob_cli.stages.design.space import Design
+from hknob_cli.stages.design.designs import Design
 
 Rows = Sequence[dict[str, Any]]
 ANY = Limit(most_db=0.0, people=0.0, above_present=False)  # where there is no limit

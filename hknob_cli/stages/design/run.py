@@ -16,9 +16,8 @@ from hknob_cli.results.columns import RANGED, STEP_DB, Column, axis_column
 from hknob_cli.specs.stage_plans import DesignPlan
 from hknob_cli.spread.cores import usable_cores
 from hknob_cli.spread.forks import Forked, Forks
-from hknob_cli.stages.design.evaluate import Evaluator, Rows, evaluate_one
+from hknob_cli.stages.design.designs import Design, Evaluator, Rows, designs, evaluate_one, present, relaxed, surface
 from hknob_cli.stages.design.ranking import Judged, answer_if, judge, rank, redrawn
-from hknob_cli.stages.design.space import Design, designs, present, relaxed, surface
 from hknob_cli.stages.lag_domain import has_domain
 from hknob_cli.stages.sweep.engines import Engines
 

@@ -7,9 +7,9 @@ import pytest
 
 from hknob_cli.perception.published import Doubt, doubts, other_sets
 from hknob_cli.specs.stage_plans import Limit
+from hknob_cli.stages.design.designs import Design
 from hknob_cli.stages.design.ranking import Judged, answer_if, judge, meets, redrawn
 from hknob_cli.stages.design.run import DesignStage
-from hknob_cli.stages.design.space import Design
 from hknob_cli.stages.sweep.engines import Engines
 from tests.designs import DESIGN, planned
 
@@ -97,7 +97,7 @@ def test_a_cycle_without_a_level_beside_one_with_a_level_is_not_known() -> None:
     from hknob_cli.engine.attractors import Attractor
     from hknob_cli.engine.outcome import Outcome, Reason
     from hknob_cli.measure.orbit import OrbitMeasures
-    from hknob_cli.stages.design.evaluate import Evaluator
+    from hknob_cli.stages.design.designs import Evaluator
     from hknob_cli.stages.sweep.cell import CellResult
     from hknob_cli.stages.sweep.perceived import Perceived
 

@@ -8,10 +8,9 @@ import pytest
 
 from hknob_cli.specs.plan import COUNTS, RATE
 from hknob_cli.specs.stage_plans import DesignPlan, Limit
-from hknob_cli.stages.design.evaluate import Evaluator, Rows, _pushes
+from hknob_cli.stages.design.designs import Design, Evaluator, Rows, _pushes, designs, present, relaxed, surface
 from hknob_cli.stages.design.ranking import above, exceeded_by, judge, level
 from hknob_cli.stages.design.run import DesignStage
-from hknob_cli.stages.design.space import Design, designs, present, relaxed, surface
 from hknob_cli.stages.sweep.engines import Engines
 from tests.designs import DESIGN, planned
 

@@ -17,8 +17,8 @@ from hknob_cli.perception.hearing import hearing_threshold
 from hknob_cli.perception.published import published
 from hknob_cli.perception.touch import detection_threshold
 from hknob_cli.scene.sampled_knob import sample_knob
+from hknob_cli.specs.generated import json_schema
 from hknob_cli.specs.perception import Perceive
-from hknob_cli.specs.schema import json_schema
 from hknob_cli.stages.sweep.perceived import Perceived, cell_row, orbit_row, perceive
 from hknob_cli.stages.sweep.run import SweepStage
 from hknob_cli.stages.sweep.tables import SweepTables
