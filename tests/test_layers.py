@@ -83,7 +83,6 @@ SMALL = {
     "at_once.py": "the command loads it before all else",
     "apparatus/streams.py": "random streams of two rooms, apparatus and hardware, that loads neither",
     "cli/verify.py": "a command",
-    "engine/orbit/holds.py": "a group of compiled functions",
     "engine/turning.py": "a group of compiled functions",
     "figures/laid_out.py": "needs the library as it is loaded, which the others load when they draw",
     "page/claims/text.py": "words, of which a change does not make results old",

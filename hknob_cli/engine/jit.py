@@ -24,7 +24,7 @@ from hknob_cli.engine.own_folder import make_own_folder
 
 # In the order of use: a module's functions are compiled before those that call them.
 MOTION = ("propagator", "loop", "turning", "certificate", "rest", "follow", "ensemble", "trace")
-ORBIT = tuple(f"orbit.{name}" for name in ("forms", "holds", "extrema", "integrals", "leak", "cycle"))
+ORBIT = tuple(f"orbit.{name}" for name in ("holds", "leak", "cycle"))
 PLAIN = (*MOTION, *ORBIT, "relay_cycles")
 CELLS = (*MOTION, "budget", *ORBIT, "cells")
 GENERAL = (
@@ -117,7 +117,7 @@ UNSAMPLED = (
     "propagator",
     "loop",
     "turning",
-    *(f"unsampled.{name}" for name in ("wall_pieces", "edge_time", "state_machine", "settling", "swing", "event_rows")),
+    *(f"unsampled.{name}" for name in ("wall_pieces", "state_machine", "settling")),
 )
 PULSE = ("pulse", "pulse_friction")
 INTERPRETED = "interpreted"  # file beside compiled code

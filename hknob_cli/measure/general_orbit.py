@@ -12,7 +12,7 @@ import numpy as np
 from hknob_cli.engine.attractors import Attractor
 from hknob_cli.engine.general.search import GeneralEngine, PeriodSegments
 from hknob_cli.engine.general.teeth import APART
-from hknob_cli.engine.orbit.forms import RULE
+from hknob_cli.engine.orbit.holds import RULE
 from hknob_cli.engine.orbit.leak import find_leak
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.measure.forms import (

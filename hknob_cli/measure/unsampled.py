@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from hknob_cli.engine.budget import FINEST
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.propagator import hold_coefficients
-from hknob_cli.engine.unsampled import event_rows, settling, swing
+from hknob_cli.engine.unsampled import settling
 from hknob_cli.engine.unsampled.state_machine import acceleration, heading, place
 from hknob_cli.engine.unsampled.wall_pieces import (
     Unsampled,
@@ -102,7 +102,7 @@ def settle(
     if fate == settling.OUT_OF_EVENTS:
         return met
     if fate == settling.BOUNCES_ON:
-        moments = functions["unsampled.swing_moments"] if functions else swing.swing_moments
+        moments = functions["unsampled.swing_moments"] if functions else settling.swing_moments
         middle = 0.5 * (top + bottom)
         half, bottom, first, second = moments(top, middle, loop)
         mean = first / half
@@ -253,8 +253,8 @@ def events(
     way = 1.0 if v > 0.0 else -1.0
     if v == 0.0:
         n, way = heading(n, edge, u, loop)
-    record = functions["unsampled.record_motion"] if functions else event_rows.record_motion
-    ending = event_rows.Ending(until, single, low, chatter_counts)
+    record = functions["unsampled.record_motion"] if functions else settling.record_motion
+    ending = settling.Ending(until, single, low, chatter_counts)
     rows = np.zeros((256, 6))
     rows[0] = 0.0, n, edge, u, v, way
     filled, done = 1, way == 0.0

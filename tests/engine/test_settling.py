@@ -4,9 +4,15 @@ from math import acos, inf, pi, sqrt
 
 import pytest
 
-from hknob_cli.engine.unsampled.event_rows import Ending, is_chatter, record_motion
-from hknob_cli.engine.unsampled.settling import BOUNCES_ON, CAME_TO_REST, settle_motion
-from hknob_cli.engine.unsampled.swing import swing_moments
+from hknob_cli.engine.unsampled.settling import (
+    BOUNCES_ON,
+    CAME_TO_REST,
+    Ending,
+    is_chatter,
+    record_motion,
+    settle_motion,
+    swing_moments,
+)
 from hknob_cli.engine.unsampled.wall_pieces import Unsampled, highest_rest, rest_range
 
 # Pushed into the wall by 1, and out of its first count by 3 - 1 = 2.

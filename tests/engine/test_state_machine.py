@@ -7,8 +7,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hknob_cli.engine.propagator import hold_coefficients
-from hknob_cli.engine.unsampled.edge_time import EDGE, ENDS, TURN, crossing_time, damped_step, glide_time, undamped_step
-from hknob_cli.engine.unsampled.state_machine import heading, move_on, place
+from hknob_cli.engine.unsampled.state_machine import (
+    EDGE,
+    ENDS,
+    TURN,
+    crossing_time,
+    damped_step,
+    glide_time,
+    heading,
+    move_on,
+    place,
+    undamped_step,
+)
 from hknob_cli.engine.unsampled.wall_pieces import Unsampled, potential, rest_range
 
 BALL = Unsampled(alpha=0.0, beta=0.0, kappa=1.0, gamma=0.5, phi=0.0, offset=0.0, counted=1.0)

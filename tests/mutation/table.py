@@ -103,7 +103,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "sets/search.py": (f"{PROOF}test_set_search_margins.py",),
     "sets/region.py": (f"{PROOF}test_convex_region_margins.py",),
     "sets/absorbing.py": (f"{PROOF}test_absorbing_margins.py", f"{PROOF}test_no_region_margins.py"),
-    **{f"orbit/{name}.py": ORBIT for name in ("cycle", "extrema", "forms", "holds", "integrals", "leak")},
+    **{f"orbit/{name}.py": ORBIT for name in ("cycle", "holds", "leak")},
     "measure/harmonics.py": ("tests/measure/test_harmonics.py",),
     "measure/unsampled.py": tuple(f"tests/measure/test_unsampled{end}.py" for end in ("", "_margins")),
     "measure/growth.py": tuple(f"tests/measure/test_growth{end}.py" for end in ("", "_by_hand")),

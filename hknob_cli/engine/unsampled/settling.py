@@ -1,4 +1,4 @@
-"""One trial without a sample clock, to its end, and what is met on the way there.
+"""One trial without a sample clock, to its end, what is met on the way there, and its events as rows.
 
 With damping or friction every motion settles: the potential is convex. Where only one position can be a rest point, it
 is known before the motion is, and a trial that chatters over a count edge need not be followed through its infinitely
@@ -8,13 +8,61 @@ how well its energy is kept.
 The swing from one turning point to the next never grows. The remaining motion spans no more than a threshold from
 the moment at which it is that far from the turning point ahead, for the first time within the first swing whose
 successor is no longer than the threshold.
+
+An undamped motion comes back the way it went, in the same time: the swing from its top to its bottom is half of its
+period. From the events of a trial, one row each, the exact state at any time follows.
 """
 
+from math import ceil, sqrt
 from typing import NamedTuple
 
-from hknob_cli.engine.unsampled.edge_time import EDGE, ENDS, TURN
-from hknob_cli.engine.unsampled.state_machine import heading, move_on, place, set_off, time_to
-from hknob_cli.engine.unsampled.wall_pieces import potential
+from hknob_cli.engine.propagator import hold_coefficients
+from hknob_cli.engine.unsampled.state_machine import (
+    EDGE,
+    ENDS,
+    TURN,
+    acceleration,
+    heading,
+    move_on,
+    place,
+    set_off,
+    time_to,
+)
+from hknob_cli.engine.unsampled.wall_pieces import piece_stiffness, potential
+
+# Gauss-Legendre, 10 nodes: the positive ones and their weights (Abramowitz & Stegun, table 25.4).
+NODES = (0.14887433898163122, 0.4333953941292472, 0.6794095682990244, 0.8650633666889845, 0.9739065285171717)
+WEIGHTS = (0.2955242247147528, 0.2692667193099965, 0.219086362515982, 0.1494513491505804, 0.06667134430868814)
+
+
+def swing_moments(top, reference, loop):
+    """Integrals over the swing down from rest at ``top``: ``(duration, bottom, of x - reference, of its square)``.
+
+    Each piece is cut into parts of at most one radian of the plant's ringing, where ten nodes are exact to rounding.
+    """
+    n, edge, u = place(top, 0.0, loop)
+    n, way = heading(n, edge, u, loop)
+    v, total, first, second = 0.0, 0.0, 0.0, 0.0
+    going = way < 0.0
+    while going:
+        stiffness = piece_stiffness(n, loop)
+        y = acceleration(n, edge + u, way, loop)
+        start, speed = (edge - reference) + u, v
+        kind, n, edge, u, v, t = move_on(n, edge, u, v, way, float("inf"), loop)
+        parts = max(1.0, float(ceil(sqrt(stiffness) * t)))
+        h = 0.5 * t / parts
+        for part in range(int(parts)):
+            for i in range(5):
+                for sign in (-1.0, 1.0):
+                    at = h * (2.0 * part + 1.0 + sign * NODES[i])
+                    s, g, _ = hold_coefficients(loop.alpha, stiffness, at)
+                    x = start + (s * speed + g * y)
+                    first += h * WEIGHTS[i] * x
+                    second += h * WEIGHTS[i] * x * x
+        total += t
+        going = kind == EDGE  # without a speed, too: it then turns at once
+    return total, edge + u, first, second
+
 
 CAME_TO_REST = 0
 BOUNCES_ON = 1
@@ -160,3 +208,50 @@ def settle_motion(x, v, threshold, single, max_events, max_peaks, loop):
     if fate == OUT_OF_EVENTS and peaks > 1:
         fate = BOUNCES_ON
     return fate, edge + u, events, bounces, contact, settled, path, top, bottom, drift
+
+
+class Ending(NamedTuple):
+    """Where a motion ends: at the time ``until``, or at rest.
+
+    Where ``rest`` is the only rest point (``single``) and a count edge, chatter over it that gets no further than
+    ``height`` is rest.
+    """
+
+    until: float
+    single: bool
+    rest: float
+    height: float
+
+
+def is_chatter(edge, v, height, loop):
+    """Whether a knob that passes ``edge`` at ``v`` gets no further than ``height`` on either side of it."""
+    above = 0.0 - edge
+    falls = -acceleration(above, edge, 0.0, loop)
+    rises = acceleration(above + 1.0, edge, 0.0, loop)
+    return v * v <= 2.0 * height * min(falls, rises)
+
+
+def record_motion(state, ending, loop, rows, filled, capacity):
+    """Write the state after each event into ``rows``, from the row ``filled`` on, up to the ``ending``.
+
+    ``state``: the time t, then n, edge, u, v, way as `state_machine` has them; ``rows`` holds as many, flat. Returns
+    ``(filled, done)``: not done where ``rows`` is full.
+    """
+    t, n, edge, u, v, way = state
+    alone = ending.single and loop.counted > 0.0
+    while filled < capacity:
+        kind, n, edge, u, v, dt = move_on(n, edge, u, v, way, float("inf"), loop)
+        if (kind != EDGE and kind != TURN) or t + dt > ending.until:
+            return filled, True
+        t += dt
+        if alone and kind == EDGE and edge == ending.rest and is_chatter(edge, v, ending.height, loop):
+            v = 0.0
+        if v == 0.0:
+            n, way = heading(n, edge, u, loop)
+        base = 6 * filled
+        rows[base], rows[base + 1], rows[base + 2] = t, n, edge
+        rows[base + 3], rows[base + 4], rows[base + 5] = u, v, way
+        filled += 1
+        if way == 0.0:
+            return filled, True
+    return filled, False

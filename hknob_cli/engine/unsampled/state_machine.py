@@ -1,12 +1,123 @@
 """The motion without a sample clock, from event to event: count edges, turning points, stick, rest.
 
+A motion inside one piece reaches its edge, or turns, or neither. Within a piece and one direction of motion x'' = y -
+alpha x' - beta (x - x0), where ``y`` is the acceleration at the start ``x0``, friction included, the damping not.
+``way`` is +1 upwards, -1 downwards; ``gap`` the signed distance to the edge ahead.
+
 A state is ``(n, edge, u, v)``: the piece, a position ``edge + u`` told from a nearby edge so that the smallest
 excursion keeps its digits, and the velocity. On an edge ``u`` is exactly 0. With it goes ``way``, the direction of
 motion: +1, -1, or 0 at rest, for friction acts against it even where the velocity is momentarily zero.
 """
 
-from hknob_cli.engine.unsampled.edge_time import EDGE, ENDS, TURN, damped_step, undamped_step
+from math import atan, pi, sqrt
+
+from hknob_cli.engine.propagator import hold_coefficients
+from hknob_cli.engine.turning import first_zero, zero_spacing
 from hknob_cli.engine.unsampled.wall_pieces import lower_end, piece_drive, piece_stiffness, upper_end
+
+EDGE = 0
+TURN = 1
+ENDS = 2
+LEAVES_FOR_GOOD = 3
+
+ROUNDING = 2.0**-53
+
+
+def glide_time(speeds, move, beta):
+    """Time of an undamped move between two velocities whose sum is ``speeds``: 2/w arctan(w move / speeds).
+
+    It is the half-angle form of the rotation of (v, y/w), w^2 = beta, and 2 move / speeds at constant acceleration.
+    """
+    if move == 0.0:
+        return 0.0
+    if beta == 0.0:
+        return 2.0 * move / speeds
+    w = sqrt(beta)
+    if speeds == 0.0:
+        return pi / w
+    return 2.0 * atan(w * move / speeds) / w
+
+
+def undamped_step(v, y, way, gap, beta):
+    """To the edge or the turning point without damping: ``(kind, move, velocity, time)``, all in closed form."""
+    inf = float("inf")
+    if abs(gap) < inf:
+        # v^2 changes by twice the integral of the acceleration, which is linear in between.
+        square = v * v + gap * (2.0 * y - beta * gap)
+        if square >= 0.0:
+            after = way * sqrt(square)
+            return EDGE, gap, after, glide_time(v + after, gap, beta)
+    along = way * y
+    if beta == 0.0 and along >= 0.0:
+        return LEAVES_FOR_GOOD, way * inf, v, inf
+    root = sqrt(y * y + beta * v * v)
+    move = way * (v * v / (root - along) if along < 0.0 else (along + root) / beta)
+    if abs(move) > abs(gap):
+        move = gap
+    return TURN, move, 0.0, glide_time(v, move, beta)
+
+
+def crossing_time(v, y, gap, alpha, beta, latest):
+    """Time, before ``latest``, at which a motion that goes one way has moved by ``gap``; to full double precision.
+
+    Newton's method inside a bracket, from the undamped time.
+    """
+    inf = float("inf")
+    way = 1.0 if gap > 0.0 else -1.0
+    low, high = 0.0, latest
+    speeds = abs(v) + sqrt(max(v * v + gap * (2.0 * y - beta * gap), 0.0))
+    t = 2.0 * abs(gap) / speeds if speeds > 0.0 else 1.0
+    if not t < high:
+        t = 0.5 * high
+    for _ in range(200):
+        s, g, f = hold_coefficients(alpha, beta, t)
+        coast, pushed = s * v, g * y
+        miss = way * (coast + pushed - gap)
+        speed = way * (f * v + s * y)
+        if abs(miss) <= ROUNDING * (abs(coast) + abs(pushed)):
+            break
+        if miss > 0.0:
+            high = t
+        else:
+            low = t
+        following = t - miss / speed if speed > 0.0 else -1.0
+        if not low < following < high:
+            following = 0.5 * (low + high) if high < inf else 2.0 * t
+        if abs(following - t) <= 2.0 * ROUNDING * t:
+            t = following
+            break
+        t = following
+    return t
+
+
+def damped_step(v, y, way, gap, alpha, beta):
+    """To the edge, the turning point or the end of a damped motion: ``(kind, move, velocity, time)``."""
+    inf = float("inf")
+    if v == 0.0:
+        turn = zero_spacing(alpha, beta)
+    elif beta == 0.0 and way * y >= 0.0:
+        turn = inf
+    else:
+        turn = first_zero(v, y, alpha, beta)
+    if turn < inf:
+        s, g, _ = hold_coefficients(alpha, beta, turn)
+        move = s * v + g * y
+        if abs(move) < abs(gap):
+            return TURN, move, 0.0, turn
+    else:
+        if beta > 0.0:
+            move = y / beta
+        elif y == 0.0:
+            move = v / alpha
+        else:
+            move = way * inf
+        if abs(move) <= abs(gap):
+            if abs(move) == inf:
+                return LEAVES_FOR_GOOD, move, v, inf
+            return ENDS, move, 0.0, inf
+    t = crossing_time(v, y, gap, alpha, beta, turn)
+    s, _, f = hold_coefficients(alpha, beta, t)
+    return EDGE, gap, way * max(way * (f * v + s * y), 0.0), t
 
 
 def place(x, v, loop):

@@ -4,11 +4,8 @@ from math import isnan
 
 import pytest
 
-from hknob_cli.engine.orbit.cycle import CycleMeasures, measure_holds
-from hknob_cli.engine.orbit.extrema import find_extrema, turns_within
-from hknob_cli.engine.orbit.forms import hold_forms
-from hknob_cli.engine.orbit.holds import LENGTH, PART, G, S, fill_part
-from hknob_cli.engine.orbit.integrals import find_integrals
+from hknob_cli.engine.orbit.cycle import CycleMeasures, find_extrema, find_integrals, measure_holds, turns_within
+from hknob_cli.engine.orbit.holds import LENGTH, PART, G, S, fill_part, hold_forms
 from hknob_cli.engine.trace import Holds
 
 INF = float("inf")

@@ -11,12 +11,17 @@ import numpy as np
 import pytest
 
 from hknob_cli.engine.loop import drive_of, make_loop
-from hknob_cli.engine.orbit import cycle, extrema
-from hknob_cli.engine.orbit.cycle import CycleMeasures, measure_cycle, measure_holds
-from hknob_cli.engine.orbit.extrema import direction, find_extrema, turns_within
-from hknob_cli.engine.orbit.forms import hold_forms
-from hknob_cli.engine.orbit.holds import LENGTH, MEAN, PART, SPEED, SQUARE, G, S, fill_part, fill_parts
-from hknob_cli.engine.orbit.integrals import find_integrals
+from hknob_cli.engine.orbit import cycle
+from hknob_cli.engine.orbit.cycle import (
+    CycleMeasures,
+    direction,
+    find_extrema,
+    find_integrals,
+    measure_cycle,
+    measure_holds,
+    turns_within,
+)
+from hknob_cli.engine.orbit.holds import LENGTH, MEAN, PART, SPEED, SQUARE, G, S, fill_part, fill_parts, hold_forms
 from hknob_cli.engine.orbit.leak import find_leak, potential
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.engine.trace import Holds
@@ -278,7 +283,7 @@ def test_a_knob_that_turns_too_often_is_not_looked_at(monkeypatch: pytest.Monkey
     for kinds, lengths in ((1, (1.0,)), (2, (0.5, 0.5))):
         parts = parts_of(0.0, beta, lengths)
         for most, looked in ((6.0 / kinds / spacing * 1.001, True), (6.0 / kinds / spacing * 0.999, False)):
-            monkeypatch.setattr(extrema, "MOST_TURNS", most)
+            monkeypatch.setattr(cycle, "MOST_TURNS", most)
             found = find_extrema(Holds(x, v, drive), 6, parts, kinds, 0.0, beta, 0.0)
             assert (found[0] > 0) == looked
             if not looked:
