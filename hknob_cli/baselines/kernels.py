@@ -6,7 +6,7 @@ the knob against its speed; a step that would turn the speed stops it, and at re
 
 The sampled loop around a method with a fixed step, as plain loops for numba.
 
-Encoder, wall and delay are those of `controller`, written out over floats, so that a trial is compiled as a whole.
+Encoder, wall and delay are those of `model`, written out over floats, so that a trial is compiled as a whole.
 """
 
 from math import floor

@@ -8,7 +8,7 @@
 - `rest` the proof of a rest point
 - `follow` one trial to its end
 - `ensemble` all phases of a cell, within its `budget` of samples
-- `trace` one period, `orbit/` what it amounts to (`extrema` peaks between samples; `forms`, `integrals`; `leak` work
+- `trace` one period, `orbit/` what it amounts to (`cycle` peaks between samples and integrals, of `holds`; `leak` work
   of the wall)
 - `attractors` of a cell, with their shares
 - `cells` many of them without leaving compiled code, `cell_run` as columns

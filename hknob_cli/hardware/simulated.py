@@ -22,7 +22,7 @@ class Sine(NamedTuple):
 
 
 class Squeeze(NamedTuple):
-    """How a simulated person squeezes a knob that pulses, from the start on (`pulse_person.grip_of`).
+    """How a simulated person squeezes a knob that pulses, from the start on (`person.grip_of`).
 
     ``aim_n``: force aimed at; ``rise_s`` to the highest force, or to the aim with ``climbs``: then the force goes on
     rising; ``overshoot``: share; ``reaction_s`` before the squeeze, and from the first sample of the pulse to letting

@@ -2,7 +2,7 @@
 
 Standard errors where the model does not fit: the misfit counts as one error, not as one error a sample.
 
-Residuals that noise makes average out over a record, and `covariance.cautious` allows for it. What a model leaves out
+Residuals that noise makes average out over a record, and `cautious` allows for it. What a model leaves out
 (friction, a lag, a finger behind its pad) does not: it pulls the parameters as far as it can, and only the part that
 no parameter can imitate is left in the residuals. So a fit with a misfit gets, in addition, the covariance of a single
 observation whose error is as large as the whole residual: one standard error moves the best motion by as much as the

@@ -3,7 +3,7 @@
 All parameters are positive and fitted as logarithms. A 20 ms pulse tells few of them apart, and what it leaves open is
 no ellipse: two springs and dampers in series move alike in either order except for the finger's inertia, and alike for
 K1/K2 above and below B1/B2. So the search starts from several places, and an interval holds all that fits as well as
-chance allows (`profile`). What is not told is said not to be identifiable, whatever number comes out.
+chance allows (`nearest.spread`). What is not told is said not to be identifiable, whatever number comes out.
 """
 
 from collections.abc import Callable, Mapping
@@ -43,7 +43,7 @@ def fourth_order(
 
     ``inertia``: the knob's own in kg·m², with what moves with it, and ``finger_inertia``: known, or None to fit them.
     ``start``: first values by name; by default the second-order fit's, in the 10:1 split of Section 4.4.1, and others.
-    Standard errors as of `output_error`, or larger where `profile.spread` finds more that fits as well. Not
+    Standard errors as of `output_error`, or larger where `nearest.spread` finds more that fits as well. Not
     identifiable: a standard error above the value, or three times the value or a third of it that fits as well; a
     value that ran away from its start by 10,000; or all, where their effects are numerically one.
 

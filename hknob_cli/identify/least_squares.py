@@ -3,7 +3,7 @@
 Section 4.2.3. It minimises the torque's error as if acceleration, velocity and angle were exact. They are not: noise in
 a column pulls its coefficient towards zero, most of all the inertia's (Section 4.4, implicit regularization), and the
 residuals are correlated, so that the usual standard errors are too small. Those here allow for the correlation
-(`covariance.cautious`), which is cheap; nothing allows for the bias.
+(`fit.cautious`), which is cheap; nothing allows for the bias.
 """
 
 from collections.abc import Mapping

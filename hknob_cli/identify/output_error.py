@@ -52,8 +52,8 @@ def output_error(
 
     ``lag_s``: known time constant between command and torque. ``coulomb_nm``: known friction, or where the search for
     it begins if ``fit_coulomb``. ``fixed``: parameters that are known, by name. The rest angle is fitted too, and the
-    first angle and velocity where the motion does not begin at rest. Standard errors are `covariance.cautious`, and
-    allow for a misfit (`misfit.widen`); what an encoder repeats counts once (`readings`). What the data cannot tell is
+    first angle and velocity where the motion does not begin at rest. Standard errors are `fit.cautious`, and
+    allow for a misfit (`fit.widen`); what an encoder repeats counts once (`motion.stays`). What the data cannot tell is
     flagged, never raised.
     """
     name = FRICTION_NAME if fit_coulomb else NAME

@@ -2,7 +2,7 @@
 
 Truths drawn like those of Section 4.4.1: the lightest or firmest grip of Table 1, K1/K2 from 1 to 20, B1/B2 equal to it
 or up to 3 times off, noise from a fine encoder's to a coarse one's, the knob's inertia known or fitted. The intervals
-are conservative where the valley bends (`profile.spread`). Of 90 at 95 % the share that holds the truth has a standard
+are conservative where the valley bends (`nearest.spread`). Of 90 at 95 % the share that holds the truth has a standard
 deviation of 2.3 %: it is above 89 % unless it is 2.6 of them off, or the intervals are not what they say.
 """
 

@@ -1,4 +1,4 @@
-/* Converters, in the order of operations of hknob_cli/hardware/converters.py and of the engine's `send`. */
+/* Converters, in the order of operations of hknob_cli/hardware/trial_wall.py and of the engine's `send`. */
 #include "convert.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* The line, in the order of operations of hknob_cli/hardware/torque_line.py. */
+/* The line, in the order of operations of hknob_cli/hardware/trial_wall.py. */
 #include "line.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* A simulated person who squeezes until the knob pulses, and lets go: hknob_cli/hardware/pulse_person.py. */
+/* A simulated person who squeezes until the knob pulses, and lets go: hknob_cli/hardware/person.py. */
 #ifndef SQUEEZE_H
 #define SQUEEZE_H
 
