@@ -10,16 +10,16 @@ this one part. Of several parts the lowest verdict counts; `EXCEPTIONS` has the 
 from collections.abc import Iterable, Sequence, Set
 from typing import NamedTuple
 
+from hknob_cli.specs.capability_parts import ESTIMATED as ESTIMATED
+from hknob_cli.specs.capability_parts import EXACT as EXACT
+from hknob_cli.specs.capability_parts import EXCEPTIONS as EXCEPTIONS
+from hknob_cli.specs.capability_parts import LOWEST_FIRST as LOWEST_FIRST
+from hknob_cli.specs.capability_parts import PROVEN as PROVEN
+from hknob_cli.specs.capability_parts import REFUSED as REFUSED
+from hknob_cli.specs.capability_parts import WORDS as WORDS
+from hknob_cli.specs.capability_parts import parts_there
 from hknob_cli.specs.capability_reasons import AT as AT
 from hknob_cli.specs.capability_reasons import WHY as WHY
-from hknob_cli.specs.parts_there import ESTIMATED as ESTIMATED
-from hknob_cli.specs.parts_there import EXACT as EXACT
-from hknob_cli.specs.parts_there import EXCEPTIONS as EXCEPTIONS
-from hknob_cli.specs.parts_there import LOWEST_FIRST as LOWEST_FIRST
-from hknob_cli.specs.parts_there import PROVEN as PROVEN
-from hknob_cli.specs.parts_there import REFUSED as REFUSED
-from hknob_cli.specs.parts_there import WORDS as WORDS
-from hknob_cli.specs.parts_there import parts_there
 from hknob_cli.specs.plan import Scene
 
 
@@ -41,7 +41,7 @@ class Part(NamedTuple):
 
     ``title``: its name in a text; ``path``: its key, by which a fault names its place; empty for what is no key.
     ``verb``: what a fault demands; ``when``: the end of the demand that something else must be absent beside it.
-    ``of``: of what is no key, the numbers that it follows from.
+    ``of``: of what is no key, the numbers that it follows from. ``also``: further keys that give a scene the part.
     """
 
     title: str
@@ -49,6 +49,7 @@ class Part(NamedTuple):
     verb: str = "must be absent"
     when: str = ""
     of: tuple[str, ...] = ()
+    also: tuple[str, ...] = ()
 
 
 _SETS = "sets of its states are followed by another engine, or not at all"
@@ -105,8 +106,8 @@ PARTS = {
     "hand": Part("a hand", "hand"),
     "grip": Part("a hand by its grip", "hand.grip_n"),
     "people": Part("a population", "population"),
-    "knob_damping": Part("damping of the knob", "knob.damping"),
-    "friction": Part("Coulomb friction", "knob.coulomb_torque"),
+    "knob_damping": Part("damping of the knob", "knob.damping", also=("gear.motor_damping",)),
+    "friction": Part("Coulomb friction", "knob.coulomb_torque", also=("gear.motor_coulomb_torque",)),
     "hand_damping": Part("damping of the hand", "hand.damping"),
     "hand_stiffness": Part("stiffness of the hand", "hand.stiffness"),
     "finger": Part("a finger apart from the knob", "hand.finger"),

@@ -30,8 +30,6 @@ from hknob_cli.specs.scene_faults import (
 )
 
 Faults = list[tuple[Place, str]]
-# Further keys that give a scene a part.
-_ALSO = {"friction": ("gear.motor_coulomb_torque",), "knob_damping": ("gear.motor_damping",)}
 _OF_A_DEVICE = ("encoder.", "actuator.")  # keys that a campaign's spec has as a scene has them, beside the controller's
 _SAID_OF_STARTS = {"ranges": "where starts are a range", "anywhere": "where starts are anywhere"}
 NEEDS_A_WALL = "must be > 0 where a controller is given"  # of wall.stiffness
@@ -92,7 +90,7 @@ def _places(part: str, scene: SceneSpec, axes: Axes, *, people: bool) -> list[Pl
     path = PARTS[part].path
     if part in there:
         return [("scene", path) if path else ("scene",)] if there[part] else []
-    return [place for one in (path, *_ALSO.get(part, ())) if "." in one for place in given(scene, axes, one)]
+    return [place for one in (path, *PARTS[part].also) if "." in one for place in given(scene, axes, one)]
 
 
 def _within(place: Place, found: Faults) -> bool:

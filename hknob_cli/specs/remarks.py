@@ -120,7 +120,7 @@ def _numbers(part: Any, path: str) -> Iterator[tuple[str, float]]:
             yield f"{path}{name}", float(value)
 
 
-OF_CONTROLLERS = {"controller", "speed_sensor", "estimated_speed", "kalman"}
+_OF_CONTROLLERS = {part for part, row in PARTS.items() if row.path.partition(".")[0] == "controller"}
 
 
 def not_proven(plan: SweepPlan) -> list[str]:
@@ -155,6 +155,6 @@ def _hindrance(parts: frozenset[str], kind: str) -> str:
     least = min(map(len, refused))
     there = {part for one in refused if len(one) == least for hindrance in one for part in hindrance}
     fewest = [part for part in PARTS if part in there]
-    beside = "a controller beside " if "controller" in parts and not set(fewest) & OF_CONTROLLERS else ""
+    beside = "a controller beside " if "controller" in parts and not set(fewest) & _OF_CONTROLLERS else ""
     *most, last = (PARTS[part].title for part in fewest)
     return beside + (f"{', '.join(most)} and {last}" if most else last)

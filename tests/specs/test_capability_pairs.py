@@ -1,4 +1,4 @@
-"""Tests of `specs.parts_there`: pairs that are less together, some of them unless a third part is there."""
+"""Tests of `specs.capability_parts`: pairs that are less together, some of them unless a third part is there."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Which parts a scene has, by the names of the table of `specs.capabilities`, and which pairs are less together."""
+"""Parts of a scene as the table of `specs.capabilities` has them: which are there, and which pairs are lower still."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
