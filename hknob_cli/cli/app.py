@@ -7,13 +7,12 @@ import typer
 from typer.core import TyperGroup
 
 from hknob_cli import __version__
-from hknob_cli.cli.check import check, schema
+from hknob_cli.cli.check import check, schema, verify
 from hknob_cli.cli.explain import explain
 from hknob_cli.cli.explore import explore
 from hknob_cli.cli.new import new
 from hknob_cli.cli.run import run
 from hknob_cli.cli.stages import stage_command
-from hknob_cli.cli.verify import verify
 from hknob_cli.stage_table import STAGES
 
 

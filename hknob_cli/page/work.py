@@ -18,7 +18,7 @@ from hknob_cli.results.files import input_digest
 from hknob_cli.results.provenance import mark
 from hknob_cli.results.result_set import ResultSet
 from hknob_cli.results.versions import showing_versions
-from hknob_cli.spread.cores import usable_cores
+from hknob_cli.spread.forks import usable_cores
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.work import Tables, Work, counted
 from hknob_cli.terminal import progress_bar

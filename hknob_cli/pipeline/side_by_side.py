@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 
 from hknob_cli import terminal
 from hknob_cli.errors import ComputationError, HknobError
-from hknob_cli.spread.cores import usable_cores
+from hknob_cli.spread.forks import usable_cores
 from hknob_cli.spread.processes import begin_worker, beginning
 
 MOST = 8  # stages at the same time: each has libraries and results of its own in memory

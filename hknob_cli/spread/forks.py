@@ -1,10 +1,17 @@
-"""Processes for the tasks of one stage: forked with all libraries loaded, each does one task at a time."""
+"""The cores of this machine, and processes for the tasks of one stage: forked, each does one task at a time."""
 
+import os
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Self, TypeVar
 
 if TYPE_CHECKING:
     from concurrent.futures import ProcessPoolExecutor
+
+
+def usable_cores() -> int:
+    """Cores this process may run on."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
 
 T = TypeVar("T")
 R = TypeVar("R")

@@ -39,7 +39,7 @@ from cells import PHASES, kernel, prepared
 from hknob_cli.engine.jit import compiled
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.load import load
-from hknob_cli.spread.cores import usable_cores
+from hknob_cli.spread.forks import usable_cores
 from hknob_cli.stages.sweep.plain_chunk import chunk_group, plain_chunk
 
 ROOT = Path(__file__).parents[2]

@@ -9,7 +9,7 @@ import pytest
 
 from hknob_cli.apparatus.experiment import Schedule, record_experiments
 from hknob_cli.apparatus.rig import Rig
-from hknob_cli.figures.sysid_picture import draw_hands
+from hknob_cli.figures.identification import draw_hands
 from hknob_cli.recordings.trial import Trial
 from hknob_cli.recordings.write import write_csv
 from tests.apparatus import spoil

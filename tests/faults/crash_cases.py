@@ -205,16 +205,16 @@ def hear_stages(told: Told) -> None:
 
 def hear_tasks(told: Told) -> None:
     """Tasks of a stage that keeps what each has found; it writes at once, not once a second."""
-    from hknob_cli.stages import kept
+    from hknob_cli.stages import make
 
     hear_results(told)
-    kept.EVERY_S = -1.0
+    make.EVERY_S = -1.0
 
     def put(_self: Any, number: int, _found: Any) -> Callable[[Any], None]:
         told.begun.append(f"task {number}")
         return lambda _none: told.done(f"task {number}")
 
-    hear(kept.Kept, "put", put)
+    hear(make.Kept, "put", put)
 
 
 def record(out: Path, seed: int, told: Told) -> int:

@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 
 sys.path[0] = str(Path(__file__).parents[2])  # the folder of this file has modules with names of others
 
-from hknob_cli.spread.cores import usable_cores  # noqa: E402
+from hknob_cli.spread.forks import usable_cores  # noqa: E402
 from tests.fuzz.families import FAMILIES, Failure  # noqa: E402
 from tests.fuzz.worker import Task, work  # noqa: E402
 

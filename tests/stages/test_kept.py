@@ -9,7 +9,7 @@ import pytest
 from hknob_cli.errors import RefusedError
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.source import parse
-from hknob_cli.stages import kept
+from hknob_cli.stages import make as making
 from hknob_cli.stages.design.designs import Evaluator
 from hknob_cli.stages.job import Job, work_of
 from hknob_cli.stages.make import make
@@ -87,13 +87,13 @@ def test_it_is_written_while_it_goes_on_and_not_where_it_is_soon_done(
 ) -> None:
     job = job_of(REMEDIES, tmp_path / "out")
     (tmp_path / "out").mkdir()
-    with kept.keeping(job, work_of("remedies")) as some:
+    with making.keeping(job, work_of("remedies")) as some:
         some.put(0, [{"p2p_rad": 0.1, "note": None, "level": float("inf")}])
         some.put(1, [(1, 2)])  # not as JSON has it
     assert list((tmp_path / "out").iterdir()) == []
-    monkeypatch.setattr(kept, "EVERY_S", -1.0)
-    with kept.keeping(job, work_of("remedies")) as some:
+    monkeypatch.setattr(making, "EVERY_S", -1.0)
+    with making.keeping(job, work_of("remedies")) as some:
         some.put(0, [{"p2p_rad": 0.1, "note": None, "level": float("inf")}])
-    with kept.keeping(job, work_of("remedies")) as some:
+    with making.keeping(job, work_of("remedies")) as some:
         assert some.get(0) == [{"p2p_rad": 0.1, "note": None, "level": float("inf")}]
         assert some.get(1) is None

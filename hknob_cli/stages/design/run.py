@@ -14,15 +14,14 @@ from hknob_cli.perception.published import doubts
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import RANGED, STEP_DB, Column, axis_column
 from hknob_cli.specs.stage_plans import DesignPlan
-from hknob_cli.spread.cores import usable_cores
-from hknob_cli.spread.forks import Forked, Forks
+from hknob_cli.spread.forks import Forked, Forks, usable_cores
 from hknob_cli.stages.design.designs import Design, Evaluator, Rows, designs, evaluate_one, present, relaxed, surface
 from hknob_cli.stages.design.ranking import Judged, answer_if, judge, rank, redrawn
 from hknob_cli.stages.lag_domain import has_domain
 from hknob_cli.stages.sweep.engines import Engines
 
 if TYPE_CHECKING:
-    from hknob_cli.stages.kept import Kept
+    from hknob_cli.stages.make import Kept
 
 _REAL, _WHOLE, _TEXT, _FLAG = pa.float64(), pa.int64(), pa.string(), pa.bool_()
 

@@ -8,8 +8,8 @@ from typing import Any
 from hknob_cli.report.design import describe_design, design_text
 from hknob_cli.stages.design.run import DesignStage
 from hknob_cli.stages.job import Job
-from hknob_cli.stages.kept import KeepingWork, keeping
 from hknob_cli.stages.lag_domain import domain_warning
+from hknob_cli.stages.make import KeepingWork, keeping
 from hknob_cli.stages.work import Tables, counted, note
 from hknob_cli.terminal import progress_bar
 

@@ -19,8 +19,7 @@ from hknob_cli.results.means import extent, one_start
 from hknob_cli.specs.cells import Cells
 from hknob_cli.specs.plan import PERSON, Bias, Record, Starts, SweepPlan, scene_at
 from hknob_cli.specs.stage_plans import KNOCKS, RemediesPlan, Remedy
-from hknob_cli.spread.cores import usable_cores
-from hknob_cli.spread.forks import Forked, Forks
+from hknob_cli.spread.forks import Forked, Forks, usable_cores
 from hknob_cli.stages.attractor_sizes import sizes_of_rows
 from hknob_cli.stages.lag_domain import has_domain, in_domain
 from hknob_cli.stages.remedies.columns import AXES, BUZZ, CASES, DOMAIN, KEYS, NEEDS, TUNED, level_columns, louder
@@ -29,7 +28,7 @@ from hknob_cli.stages.sweep.record import trajectories
 from hknob_cli.stages.sweep.run import SweepStage
 
 if TYPE_CHECKING:
-    from hknob_cli.stages.kept import Kept
+    from hknob_cli.stages.make import Kept
 
 SHARES = ("certified_fraction", "at_rest_fraction", "diverged_fraction")
 

@@ -7,8 +7,8 @@ from typing import Any
 from hknob_cli.engine.compiling import tell_compiling, working_clock
 from hknob_cli.report.remedies import most_of
 from hknob_cli.stages.job import Job
-from hknob_cli.stages.kept import KeepingWork, keeping
 from hknob_cli.stages.lag_domain import domain_warning
+from hknob_cli.stages.make import KeepingWork, keeping
 from hknob_cli.stages.remedies.run import RemediesStage
 from hknob_cli.stages.remedies.text import describe_trial, trial_text
 from hknob_cli.stages.work import Tables, counted, note

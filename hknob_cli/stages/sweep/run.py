@@ -19,7 +19,7 @@ from hknob_cli.results.parted import PART_CELLS
 from hknob_cli.scene.sampled_knob import sample_knob
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import COUNTS, RATE, Cell, SweepPlan, scene_at
-from hknob_cli.spread.cores import usable_cores
+from hknob_cli.spread.forks import usable_cores
 from hknob_cli.stages.sweep.cell import GROWTH_S, LAW_SETS, CellFinder, CellResult, engine_group
 from hknob_cli.stages.sweep.engines import COMPILE_ABOVE, Engines, work_of
 from hknob_cli.stages.sweep.tables import SweepTables, cells_table, joined, orbits_table

@@ -10,7 +10,7 @@ from hknob_cli.results.parted import Parting
 from hknob_cli.results.staging import Staging
 from hknob_cli.results.versions import grid_versions
 from hknob_cli.specs.cells import cells_of
-from hknob_cli.spread.cores import usable_cores
+from hknob_cli.spread.forks import usable_cores
 from hknob_cli.spread.gather import Range, Ranges, Sample, Workers, gather
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.sweep.assembly import Assembly, PieceFinder, decode

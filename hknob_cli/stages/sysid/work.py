@@ -125,7 +125,7 @@ class SysidWork(Work):
                 note(job, "no picture: no set of readings has a line through it")
                 return []
         else:
-            from hknob_cli.figures.sysid_picture import draw_hands
+            from hknob_cli.figures.identification import draw_hands
 
             if not draw_hands(tables[1].to_pylist(), title=title, path=paths[0]):
                 note(job, "no picture: none of the parameters that it shows can be told")
