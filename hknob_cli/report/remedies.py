@@ -67,7 +67,7 @@ def cost_lines(
         left = f" It keeps {share:.2g} of the stiffness." if share is not None and share < _FELT else ""
         return f"{name} costs {costs[name]}{f': {needs[name]}' if needs[name] else ''}.{left}"
 
-    still = [name for name, row in grid.items() if rests(row) and costs[name] != NOTHING]
+    still = [name for name, row in grid.items() if rests_everywhere(row) and costs[name] != NOTHING]
     named = [*still[:_MOST_NAMED], *([quietest] if quietest else [])]
     lines = [cost(name) for name in named]
     if not named or any(costs[name] == FIRMWARE for name in named):
@@ -75,19 +75,23 @@ def cost_lines(
     cheap = quietest_of([name for name in grid if costs[name] == FIRMWARE], grid)
     if not cheap:
         return [*lines, "None in firmware alone makes the buzz smaller."]
-    does = "comes to rest everywhere" if rests(grid[cheap]) else f"{grid[cheap]['ratio_median']:.3g} times smaller"
+    does = (
+        "comes to rest everywhere"
+        if rests_everywhere(grid[cheap])
+        else f"{grid[cheap]['ratio_median']:.3g} times smaller"
+    )
     return [*lines, f"In firmware alone: {cheap}, {does}.", cost(cheap)]
 
 
-def rests(row: Row) -> bool:
+def rests_everywhere(row: Row) -> bool:
     """Whether a remedy brings the knob to rest everywhere."""
     return bool(row["at_rest_fraction"] > 1.0 - 1e-9)
 
 
 def quietest_of(names: Sequence[str], grid: Mapping[str, Row]) -> str:
     """Of some remedies one that rests everywhere, else that which makes the largest cycles smallest; empty if none."""
-    some = [name for name in names if rests(grid[name]) or (grid[name]["ratio_median"] or 0.0) > 1.0]
-    return max(some, key=lambda name: (rests(grid[name]), grid[name]["ratio_median"] or 0.0), default="")
+    some = [name for name in names if rests_everywhere(grid[name]) or (grid[name]["ratio_median"] or 0.0) > 1.0]
+    return max(some, key=lambda name: (rests_everywhere(grid[name]), grid[name]["ratio_median"] or 0.0), default="")
 
 
 def over_the_grid(rows: list[Row]) -> dict[str, Row]:
@@ -124,7 +128,7 @@ def over_axis(rows: list[Row], axis: str) -> dict[str, list[Row]]:
 
 
 def _together(rows: list[Row]) -> Row:
-    ratios = sorted(inf if _rests(row) else row["p2p_ratio"] for row in rows if _rests(row) or _compared(row))
+    ratios = sorted(inf if _all_rest(row) else row["p2p_ratio"] for row in rows if _all_rest(row) or _compared(row))
     moves = [one for one in ratios if one < inf]
     return {
         "cells": len(rows),
@@ -137,7 +141,7 @@ def _together(rows: list[Row]) -> Row:
     }
 
 
-def _rests(row: Row) -> bool:
+def _all_rest(row: Row) -> bool:
     """Whether all trials come to rest, and none is undecided."""
     return bool(row["p2p_max_rad"] == 0.0 and row["at_rest_fraction"] > 1.0 - 1e-9)
 

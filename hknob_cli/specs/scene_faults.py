@@ -118,7 +118,7 @@ def squeeze_contradictions(scene: SceneSpec, axes: Axes) -> Iterator[tuple[Place
 
 DIFFERENCED = ("differenced", "sensor")  # what every kind with a velocity has
 # Numbers of velocity_damping, the velocities that they are of, and what these are called in a fault.
-OF = {
+VELOCITIES_OF = {
     "window": (("differenced", "adaptive"), "the differenced velocity"),
     "low_pass": (("differenced", "timed", "adaptive"), "the differenced velocity"),
     "time_out": (("timed",), "velocity: timed"),
@@ -143,7 +143,7 @@ def velocity_contradictions(spec: Controller, given: frozenset[str], axes: Axes)
     def place(key: str) -> Place:
         return ("grid", f"controller.{key}") if f"controller.{key}" in axes else ("scene", "controller", key)
 
-    for key, (velocities, name) in OF.items():
+    for key, (velocities, name) in VELOCITIES_OF.items():
         there = key in given or f"controller.{key}" in axes
         if there and spec.velocity not in velocities:
             found.append((place(key), f"must be absent {where}: it is of {name}"))

@@ -8,13 +8,13 @@ if TYPE_CHECKING:
     from concurrent.futures import ProcessPoolExecutor
 
 
+T = TypeVar("T")
+R = TypeVar("R")
+
+
 def usable_cores() -> int:
     """Cores this process may run on."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-T = TypeVar("T")
-R = TypeVar("R")
 
 
 class Forks:
