@@ -82,7 +82,7 @@ class Pulse(NamedTuple):
 class Record(NamedTuple):
     """Trajectories to keep: their duration and the time between rows (s), trials, and a pulse at their start.
 
-    ``angles``: where they start (rad); empty: where all trials do.
+    ``angles``: where they start (rad); empty: where all trials do. ``since``: time (s) of the first row that is kept.
     """
 
     duration: float
@@ -90,6 +90,7 @@ class Record(NamedTuple):
     trials: int
     pulse: Pulse | None = None
     angles: tuple[float, ...] = ()
+    since: float = 0.0
 
 
 class DfaPlan(NamedTuple):

@@ -15,7 +15,8 @@ from hknob_cli.results.provenance import describe
 from hknob_cli.results.result_set import MissingError, ResultSet
 from hknob_cli.results.store import write
 from hknob_cli.specs.load import load
-from hknob_cli.stages.sweep.record import record_sweep
+from hknob_cli.stages.sweep.record import record_one, record_sweep
+from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import EXPERIMENTS
 
 NAMES = (
@@ -190,3 +191,22 @@ def test_a_key_of_five_entries_stays_within_its_figure(width: float) -> None:
 
     drawn = theme.styled(with_key)()
     assert drawn.axes[0].get_legend().get_window_extent().x1 <= drawn.bbox.x1
+
+
+@pytest.mark.parametrize("change", ["", "scene.controller={kind: bounded_lag, keep: 0.15, time_constant: 0.2}"])
+def test_of_the_trials_of_one_cell_the_periods_that_are_drawn_are_kept(change: str) -> None:
+    """They are the last rows of all; where nothing cycles, all are kept."""
+    overrides = ("grid.sample_rate_hz=1000", "grid.counts_per_rev=512", "starts={angle: 0.02, phases: 2}", change)
+    plan = load(EXPERIMENTS / "hand_on_knob.yaml", tuple(filter(None, overrides)))
+    orbits = SweepStage(plan).run().orbits.to_pylist()
+    longest = max(row["cycles_per_period"] / row["frequency_hz"] for row in orbits if row["outcome"] == "cycle")
+    rows, all_rows = (record_one(plan, orbits, last=last).to_pylist() for last in (3, 10**6))
+    for trial in (0, 1):
+        kept, whole = ([row for row in some if row["trial"] == trial] for some in (rows, all_rows))
+        assert kept[-1]["time_s"] - 3.0 * longest >= kept[0]["time_s"] > kept[-1]["time_s"] - 3.1 * longest
+        assert len(kept) < 0.6 * len(whole)
+        for row, same in zip(kept, whole[-len(kept) :], strict=True):
+            assert (row["time_s"], row["event"]) == (same["time_s"], same["event"])
+            assert row["angle_rad"] == pytest.approx(same["angle_rad"], abs=1e-12)
+    resting = [row for row in orbits if row["outcome"] != "cycle"]
+    assert record_one(plan, resting, last=3)["time_s"][0].as_py() == 0.0

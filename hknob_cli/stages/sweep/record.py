@@ -76,7 +76,8 @@ def record_sweep(plan: SweepPlan) -> pa.Table:
     for cell, start, trial, instants in trajectories(plan):
         scene = scene_at(plan.scene, cell)
         push = _push(scene, cell)
-        rows += ({**cell, "start_rad": start, "trial": trial, **_row(one, scene, push)} for one in instants)
+        kept = (one for one in instants if one.time >= plan.record.since)
+        rows += ({**cell, "start_rad": start, "trial": trial, **_row(one, scene, push)} for one in kept)
     axes = [axis_column(name, plan.units[name]) for name in plan.axes]
     finger = plan.scene.hand is not None and plan.scene.hand.finger is not None
     starts = START if plan.record.angles else ()
@@ -84,10 +85,11 @@ def record_sweep(plan: SweepPlan) -> pa.Table:
     return build_table([*axes, *starts, *TRAJECTORY, *(FINGER if finger else ()), *behind], rows)
 
 
-def record_one(plan: SweepPlan, orbits: list[dict[str, Any]]) -> pa.Table:
+def record_one(plan: SweepPlan, orbits: list[dict[str, Any]], *, last: int) -> pa.Table:
     """Trajectories of a few trials of a sweep of one cell, whose ``orbits`` are known, until they should have settled.
 
-    Raises `ComputationError` if a scene's numbers overflow.
+    ``last``: how many periods of the longest cycle are kept of each trial; all of it where nothing cycles. Raises
+    `ComputationError` if a scene's numbers overflow.
     """
     cell = next(iter(cells_of(plan)))
     scene = scene_at(plan.scene, cell)
@@ -97,9 +99,10 @@ def record_one(plan: SweepPlan, orbits: list[dict[str, Any]]) -> pa.Table:
     if RATE in cell:
         duration = min(duration, _MOST_SAMPLES / cell[RATE])
     interval = max(min(periods, default=duration / 5.0) / 200.0, duration / _MOST_SAMPLES)
+    since = duration - last * period - 2.0 * interval if periods else 0.0  # a last row may come an interval early
     few = min(plan.starts.phases, _FEW)
     starts = plan.starts._replace(phases=few)
-    return record_sweep(plan._replace(record=Record(duration, interval, few), starts=starts))
+    return record_sweep(plan._replace(record=Record(duration, interval, few, since=since), starts=starts))
 
 
 def _slowest(scene: Scene) -> float:
@@ -249,7 +252,8 @@ def _stops(
         while at <= end:
             stops.append((at, "sample"))
             at += next_span(clock)
-    stops += [(min(i * interval, end), "") for i in range(int(end / interval * (1.0 + 1e-12)) + 1)]
+    first = max(int(record.since / record.interval), 0)
+    stops += [(min(i * interval, end), "") for i in range(first, int(end / interval * (1.0 + 1e-12)) + 1)]
     if split > 0.0:
         stops += [(phase + i + split, "command") for i in range(ceil(end) + 1)]
     if record.pulse:

@@ -232,16 +232,15 @@ def _draw_one(job: Job, cells: Any, orbits: Any, path: Path) -> None:
     """The motion of the one cell on its orbits."""
     from math import pi
 
-    from hknob_cli.figures.sweep_picture import draw_one_cell
+    from hknob_cli.figures.sweep_picture import PERIODS, draw_one_cell
     from hknob_cli.stages.sweep.record import record_one
 
     rows = orbits.to_pylist()
     cell = cells.to_pylist()[0]
     at = {name: cell[name] for name in job.plan.axes}
     counts = knob_counts(scene_at(job.plan.scene, at), at) if COUNTS in at else None
-    draw_one_cell(
-        record_one(job.plan, rows), rows, 2.0 * pi / counts if counts else None, title=job.plan.name, path=path
-    )
+    recorded = record_one(job.plan, rows, last=PERIODS)
+    draw_one_cell(recorded, rows, 2.0 * pi / counts if counts else None, title=job.plan.name, path=path)
 
 
 def _draw_matters(job: Job, columns: Any, axes: list[str], path: Path, *, total: int | None = None) -> bool:
