@@ -28,8 +28,9 @@ from .markdown import ABOVE, PAGES, Block, blocks, name_of
 
 TEXTS = [ABOVE[0], *PAGES]
 TARGETS = set(re.findall(r"^([a-z-]+):.*##", (ROOT / "Makefile").read_text(encoding="utf-8"), re.M))
-LONG = (  # the engine of friction, of a law or of many is compiled: up to two minutes
+LONG = (  # the engine of friction, of a law or of many is compiled, or what it takes is interpreted: up to two minutes
     "hknob design experiments/idrive.yaml",
+    "hknob remedies my-remedies.yaml",
     "hknob sweep my-knob.yaml --out results/friction",
     "hknob sweep my-knob.yaml --out results/lag",
 )
