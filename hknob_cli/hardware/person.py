@@ -7,6 +7,7 @@ held and its wander are assumptions. Means and spread of the hand are those of T
 which the pulse comes.
 """
 
+from functools import cache
 from math import exp, log, log1p, pi, sin, sqrt
 from typing import NamedTuple
 
@@ -114,6 +115,7 @@ def hand_at(grip_n: float) -> Grasp:
     return Grasp(grip_n, *values)
 
 
+@cache
 def printed_grips() -> tuple[float, float]:
     """Mean and standard deviation (N) of the sixteen grip forces of Table 8."""
     rows = [row for row in table(8) if isinstance(row["encoder_bits"], float)]
