@@ -69,7 +69,7 @@ test: $(VENV)/.dev ## lint, types, prose, and the tests except the long ones; en
 	@$(BIN)/ruff format --check --quiet .
 	@$(BIN)/codespell $(TEXTS)
 	@$(BIN)/python -m tests.docs.prose $(PAGES)
-	@$(BIN)/mypy > $(VENV)/types.txt 2>&1 & types=$$!; \
+	@$(BIN)/mypy $(if $(CI),--no-incremental) > $(VENV)/types.txt 2>&1 & types=$$!; \
 	    $(BIN)/python -m pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder --compiled -rs -m 'not long'; \
 	    tests=$$?; wait $$types; types=$$?; cat $(VENV)/types.txt; exit $$((tests ? tests : types))
 
