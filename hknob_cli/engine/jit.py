@@ -139,6 +139,7 @@ GROUPS = {
 }
 
 
+@cache
 def _source_digest() -> str:
     """Digest of the engine's sources: compiled code of another version is never taken from the cache."""
     here = Path(__file__).parent
