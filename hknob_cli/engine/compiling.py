@@ -14,6 +14,7 @@ COMPILING_S = {
     "arc_cells": 10.0,
     "bounces": 1.0,
     "general": 14.0,
+    "clocks": 3.0,
     "laws": 19.0,
     "sets": 9.0,
     "general sets": 20.0,

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from hknob_cli.stages.sweep.perceived import Perceived
 
 LAW_SETS = "friction sets"  # group of sets of starts with friction, or under a controller
+CLOCKS = "clocks"  # group of what bounds every clock
 SETS_OF_LAWS = ("general sets", LAW_SETS, "friction arcs")  # groups of sets that a controller may be among, too
 GROWTH_S = 1.0  # over which the bounces of an undamped knob are collected, where the spec does not say
 MAX_EVENTS = 2_000_000  # that a trial without a sample clock may take
@@ -159,10 +160,14 @@ class CellFinder:
             self._general = GeneralEngine(functions, self.stopped)
         self._general.patience = self.patience(group)
         try:
+            bounding = functions or self.functions.get(CLOCKS)
+            bound = clock_bound_rad(knob, plan.starts, bounding, seconds=plan.seconds_per_cell)
+        except NeedsCompilerError:
+            raise NeedsCompilerError(CLOCKS) from None
+        try:
             search = self._starts.search_general(plan, knob, group) if group != "general" else None
             if search is None:
                 search = _search_trials(plan, self._general, knob, rate=knob.rate, line=knob.delay_line)
-            bound = clock_bound_rad(knob, plan.starts, functions, seconds=plan.seconds_per_cell)
         except NeedsCompilerError:
             raise NeedsCompilerError(group) from None
         measurer = GeneralMeasurer(knob, self._general)
