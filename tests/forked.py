@@ -13,6 +13,7 @@ import subprocess
 import sys
 from collections.abc import Iterable
 from importlib import import_module
+from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryFile
 
@@ -25,11 +26,21 @@ OFTEN = (
     "hknob_cli.cli.main",
     "hknob_cli.cli.run_done",
     "hknob_cli.cli.stage_run",
+    "hknob_cli.figures.sweep_picture",
     "hknob_cli.perception.level",
     "hknob_cli.pipeline.build",
+    "hknob_cli.pipeline.side_by_side",
+    "hknob_cli.pipeline.steps",
     "hknob_cli.specs.load",
     "hknob_cli.specs.remarks",
     "hknob_cli.specs.scene_paths",
+    "hknob_cli.specs.pipeline",
+    "hknob_cli.specs.remedies",
+    "hknob_cli.specs.report",
+    "hknob_cli.specs.starter",
+    "hknob_cli.specs.sysid",
+    "hknob_cli.stages.begin_from",
+    "hknob_cli.stages.explain",
     "filelock",
     "jinja2",
     "matplotlib.backends.backend_agg",
@@ -107,7 +118,13 @@ def load() -> None:
         import_module(name)
     load_numba()
     with library_defaults():
-        figure(1.0)
+        one = figure(3.0)
+        panel = one.subplots()
+        panel.plot([1.0, 2.0], label="one")
+        panel.set(title="$1$", xlabel="x", xscale="log")  # with text in fonts of its own
+        one.legend(loc="outside lower center")
+        for kind in ("png", "svg"):
+            one.savefig(BytesIO(), format=kind)
     build()
     for group in GROUPS:
         if is_kept(group):  # what each run would load again
