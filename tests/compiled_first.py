@@ -1,8 +1,8 @@
 """The engine is compiled before the tests, where it is not yet: each worker of a run compiles a share of it.
 
 Without this two workers begin by compiling the same, and commands that find nothing compiled are interpreted. Sets of
-starts in the general loop take the compiler longer than all else. The quick tests of them are interpreted; only the
-long ones begin with compiling these, too.
+starts in the general loop take the compiler longer than all else; so does that loop's variant of cogging, torque over
+the angle and jitter. The quick tests of these are interpreted; only the long ones begin with compiling them.
 """
 
 import os
@@ -22,13 +22,13 @@ DETENTS = "scene.detents={per_revolution: 24, torque: 2 mN*m}"
 CONTROLLER = "scene.controller={kind: bounded_lag, keep: 0.15, time_constant: 0.2}"
 # Of two workers: sweeps of one cell, each of which takes other groups of `engine.jit`. They take about as long.
 SHARES = (
-    ((TRIALS, FRICTION), (TRIALS, DETENTS)),
-    ((TRIALS,), (PHASES,), (BOX,), (TRIALS, CONTROLLER)),
+    ((TRIALS, CONTROLLER), (BOX,)),
+    ((TRIALS,), (PHASES,), (TRIALS, FRICTION)),
 )
 FOLLOWED = (TRIALS, FRICTION)  # whose motion is followed from sample to sample, too: several files of tests do so
 # What only long tests take.
 MORE = (
-    ((PHASES, CONTROLLER), (PHASES, LIMIT), (BOX, LIMIT)),
+    ((TRIALS, DETENTS), (PHASES, CONTROLLER), (PHASES, LIMIT), (BOX, LIMIT)),
     ((PHASES, FRICTION), (BOX, FRICTION), (TRIALS, DETENTS, CONTROLLER)),
 )
 

@@ -18,6 +18,7 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, settings
 
+from hknob_cli.engine.jit import is_kept
 from hknob_cli.errors import SpecError
 from hknob_cli.specs.load import load, validate
 from hknob_cli.specs.plan import SweepPlan
@@ -147,6 +148,15 @@ def spec_file(tmp_path: Path) -> Callable[..., Path]:
         return path
 
     return write
+
+
+@pytest.fixture
+def loop_not_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Sweeps take the general loop for not compiled: of few trials, it is interpreted."""
+    engines = "hknob_cli.stages.sweep.engines"
+    monkeypatch.setattr(f"{engines}.is_kept", lambda group="plain": group != "general" and is_kept(group))
+    monkeypatch.setattr(f"{engines}.interpreted_s", lambda _group="plain": 0.0)
+    monkeypatch.setattr(f"{engines}.note_interpreted", lambda _group, _seconds: None)
 
 
 @pytest.fixture(scope="session")

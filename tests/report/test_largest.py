@@ -92,9 +92,10 @@ def test_what_matters_counts_a_cell_with_several_cycles_once(tmp_path: Path, mon
     assert drawn["sampled"]["p2p_rad"].tolist() == [3.0, 3.0]
 
 
-def test_what_does_not_repeat_has_tables_of_its_own() -> None:
+def test_what_does_not_repeat_has_tables_of_its_own(loop_not_kept: None) -> None:
     """A clock that jitters has no cycles; a cell without jitter beside it has one, and no swing."""
-    jitters = "scene.clock={jitter: 0.05, seed: 1}", "starts.phases=1", "scene.bias.torque=0.001"
+    few = "starts.phases=1", "limits.max_samples=1024"
+    jitters = "scene.clock={jitter: 0.05, seed: 1}", "scene.bias.torque=0.001", *few
     text = said(*jitters, "grid.sample_rate_hz=[1000, 2154]", "grid.counts_per_rev=[256, 2048]")
     assert "peak to peak" not in text
     titles = [line for line in text.splitlines() if "mrad" in line and line.endswith("proven)")]

@@ -93,7 +93,7 @@ def test_a_unit_and_a_torque_behind_a_gear() -> None:
 
 
 @pytest.mark.parametrize("starts", ["phases", "one", "ranges"])
-def test_files_have_the_swing_of_what_does_not_repeat(starts: str) -> None:
+def test_files_have_the_swing_of_what_does_not_repeat(starts: str, loop_not_kept: None) -> None:
     plan = planned({"grid": {"cogging.torque": [0.0, 1e-3], "counts_per_rev": [1024]}, "starts": None})
     plan = planned(
         {"grid": {"cogging.torque": [0.0, 1e-3], "counts_per_rev": [1024]}, "starts": None}, {"starts": KINDS[starts]}

@@ -29,6 +29,7 @@ from tests import digits as mp
 from . import general_reference as reference
 from .general_orbits import solve
 from .general_scenes import LIGHT, RUBBING, TWO_PARTS, scene
+from .law_scenes import FOR_EVER
 
 Array = np.ndarray[Any, Any]
 SAMPLES = 40
@@ -175,12 +176,20 @@ def test_many_random_scenes_against_an_integrator_of_the_triangle() -> None:
 
 
 class Cell:
-    """One cell, followed by the compiled engine."""
+    """One cell, followed by the engine; ``in_code``: by compiled code, which few trials do not repay."""
 
-    def __init__(self, parts: dict[str, Any], *, rate: float = 1000.0, counts: int = 1024, phases: int = 4) -> None:
+    def __init__(
+        self,
+        parts: dict[str, Any],
+        *,
+        rate: float = 1000.0,
+        counts: int = 1024,
+        phases: int = 4,
+        in_code: bool = False,
+    ) -> None:
         self.parts, self.rate, self.counts = parts, rate, counts
         self.knob = knob_of(parts, rate, counts)
-        self.engine = GeneralEngine(compiled("general"))
+        self.engine = GeneralEngine(compiled("general")) if in_code else GeneralEngine(patience=FOR_EVER)
         self.found = self.engine.search(
             self.knob.body,
             self.knob.wall,
@@ -194,11 +203,11 @@ class Cell:
 
 
 @cache
-def cells() -> tuple[Cell, ...]:
+def cells(*, in_code: bool) -> tuple[Cell, ...]:
     """Cogging that holds the knob, that lets it buzz, and that keeps it moving, at eight places each."""
     torques = [(torque, 0.06545 * place / 7) for torque in (3e-4, 1e-3, 3e-3, 1e-2) for place in range(8)]
     return tuple(
-        Cell(scene(knob=knob, cogging={"torque": torque, "per_revolution": 84, "centre": centre}))
+        Cell(scene(knob=knob, cogging={"torque": torque, "per_revolution": 84, "centre": centre}), in_code=in_code)
         for torque, centre in torques
         for knob in (BARE, *([{**BARE, **LIGHT}] if torque == 3e-3 else []))
     )
@@ -224,7 +233,7 @@ def corners_passed(cell: Cell, end: Any) -> int:
 @pytest.mark.long
 def test_cycles_are_proven_on_one_slope_and_over_corners() -> None:
     proven = over = 0
-    for cell in cells():
+    for cell in cells(in_code=True):
         for end in cell.found:
             if end.outcome is Outcome.CYCLE:
                 assert end.reason in (Reason.NONE, Reason.AT_EVENT)
@@ -238,7 +247,7 @@ def test_cycles_are_proven_on_one_slope_and_over_corners() -> None:
 def test_proven_cycles_again_at_60_digits() -> None:
     """Within the bound that each was given; on one slope to many more digits than over corners."""
     checked = over = 0
-    for cell in cells():
+    for cell in cells(in_code=True):
         for end in cell.found:
             if end.outcome is not Outcome.CYCLE or not end.certified or end.period > 30:
                 continue
@@ -252,11 +261,13 @@ def test_proven_cycles_again_at_60_digits() -> None:
     assert over >= 2
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("more", [{}, {"encoder": {"hysteresis_counts": 0.15}}])
 def test_a_motion_that_grows_is_given_up(more: dict[str, Any]) -> None:
     """Each corner takes its steps, and a motion a million times as large as its start passes millions of them."""
     grows = {"dead_zone": {"width": 0.0115, "stiffness": 1.5}, "wall": {"stiffness": 0.0}}
-    cell = Cell(scene(hand=TWO_PARTS, cogging={**STRONG, "torque": 4e-4}, **grows, **more), rate=464.0, counts=256)
+    parts = scene(hand=TWO_PARTS, cogging={**STRONG, "torque": 4e-4}, **grows, **more)
+    cell = Cell(parts, rate=464.0, counts=256, in_code=True)
     (end,) = cell.found
     assert (end.outcome, end.reason, end.trials) == (Outcome.DIVERGED, Reason.RACES, 4.0)
 
@@ -264,7 +275,7 @@ def test_a_motion_that_grows_is_given_up(more: dict[str, Any]) -> None:
 def test_energy_of_cycles_over_corners() -> None:
     """Cogging gives back what it takes: the wall's work is what damping takes, to 1e-9, over corners, too."""
     over = 0
-    for cell in cells():
+    for cell in cells(in_code=False):
         for end in cell.found:
             if end.outcome is Outcome.CYCLE:
                 measured = cell.measurer.measure(end)
@@ -277,7 +288,7 @@ def test_energy_of_cycles_over_corners() -> None:
 @pytest.mark.long
 def test_trials_that_are_proven_to_rest_do_so_by_the_integrator() -> None:
     checked = 0
-    for cell in cells():
+    for cell in cells(in_code=True):
         for end in cell.found:
             if end.outcome is not Outcome.REST or not end.certified or cell.knob.body.friction:
                 continue
@@ -298,7 +309,7 @@ def test_proven_cycles_draw_what_is_said_to_come_to_them() -> None:
     """
     chance, checked = Random(1), 0
     advance = compiled("general")["general.advance"]
-    for cell in cells():
+    for cell in cells(in_code=True):
         body, wall = as_compiled(cell.knob.body, cell.knob.wall)
         for end in cell.found:
             if end.outcome is not Outcome.CYCLE or not end.certified or end.period > 60 or checked == 40:

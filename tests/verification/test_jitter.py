@@ -26,6 +26,7 @@ from tests import digits as mp
 
 from . import general_reference as reference
 from .general_scenes import LIGHT, RUBBING, TWO_PARTS, scene
+from .law_scenes import FOR_EVER
 
 SAMPLES = 150
 CLEAR = 1e-6  # counts from an edge within which rounding may decide
@@ -193,26 +194,27 @@ def test_a_recording_has_the_samples_of_the_trial(parts: dict[str, Any]) -> None
     assert other[1:5] != [row.time for row in sampled][1:5]
 
 
-def search(parts: dict[str, Any], phases: int = 8, counts: int = 1024) -> Any:
-    """Ends of trials, and the knob."""
+def search(parts: dict[str, Any], phases: int = 8, counts: int = 1024, *, in_code: bool = False) -> Any:
+    """Ends of trials, and the knob; ``in_code``: of longer trials, by compiled code, which few do not repay."""
     knob = knob_of(parts, counts=counts)
-    found = GeneralEngine(compiled("general")).search(
+    found = (GeneralEngine(compiled("general")) if in_code else GeneralEngine(patience=FOR_EVER)).search(
         knob.body,
         knob.wall,
         knob.start(0.02, 0.0),
         rate=knob.rate,
         phases=phases,
         delay_line=knob.delay_line,
-        max_samples=2**15,
+        max_samples=2**15 if in_code else 2**10,
     )
     return knob, found.attractors
 
 
+@pytest.mark.parametrize("in_code", [False, pytest.param(True, marks=pytest.mark.long)])
 @pytest.mark.parametrize("jitter", [0.05, 0.5])
-def test_trials_that_are_proven_to_rest_do_so_in_the_model(jitter: float) -> None:
+def test_trials_that_are_proven_to_rest_do_so_in_the_model(jitter: float, in_code: bool) -> None:
     """Each by its own intervals, where the package says; friction holds them in a range."""
     parts = scene(knob={"coulomb_torque": 8e-4})
-    knob, ends = search(with_clock(parts, jitter), phases=4)
+    knob, ends = search(with_clock(parts, jitter), phases=4, in_code=in_code)
     (rest,) = ends
     assert (rest.outcome, rest.certified, rest.trials) == (Outcome.REST, True, 4.0)
     low, high = rest.span or (rest.x, rest.x)
@@ -225,11 +227,12 @@ def test_trials_that_are_proven_to_rest_do_so_in_the_model(jitter: float) -> Non
     assert high - low > 0.01
 
 
-def test_what_does_not_rest_is_measured_and_not_proven() -> None:
-    knob, ends = search(with_clock(CASES["alone"], 0.2, 3))
+@pytest.mark.parametrize("in_code", [False, pytest.param(True, marks=pytest.mark.long)])
+def test_what_does_not_rest_is_measured_and_not_proven(in_code: bool) -> None:
+    knob, ends = search(with_clock(CASES["alone"], 0.2, 3), in_code=in_code)
     (one,) = ends
     assert (one.outcome, one.reason, one.trials) == (Outcome.UNDECIDED, Reason.JITTERS, 8.0)
-    for functions in (None, compiled("general")):
+    for functions in (None, *([compiled("general")] if in_code else [])):
         found = GeneralMeasurer(knob, GeneralEngine(functions)).measure(one)
         assert found.cycles == 0
         assert not found.p2p_rad > 0.0
@@ -244,12 +247,15 @@ def test_no_jitter_is_no_clock() -> None:
     assert knob_of(with_clock(scene(), 0.0)) == knob_of(scene())
 
 
-def test_a_knob_behind_a_gear_has_its_own_swing() -> None:
-    """Beside that of the motor, which the encoder is on, and whether teeth part."""
-    knob, ends = search(with_clock(PASSED["backlash"], 0.2, 3), phases=2, counts=360)
+@pytest.mark.parametrize("in_code", [False, pytest.param(True, marks=pytest.mark.long)])
+def test_a_knob_behind_a_gear_has_its_own_swing(in_code: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Beside that of the motor, which the encoder is on, and whether teeth part; interpreted, of fewer samples."""
+    if not in_code:
+        monkeypatch.setattr("hknob_cli.measure.general_orbit.RATTLE", RATTLE // 8)
+    knob, ends = search(with_clock(PASSED["backlash"], 0.2, 3), phases=2 if in_code else 1, counts=360, in_code=in_code)
     (one,) = ends
     assert one.reason is Reason.JITTERS
-    found = GeneralMeasurer(knob, GeneralEngine(compiled("general"))).measure(one)
+    found = GeneralMeasurer(knob, GeneralEngine(compiled("general") if in_code else None)).measure(one)
     assert 0.0 < found.jitter_range_rad < 0.1
     assert 0.0 < found.knob_p2p_rad < 0.1
     assert found.knob_p2p_rad != found.jitter_range_rad
