@@ -50,6 +50,7 @@ def test_a_sweep_goes_on_as_room_is_made(small_disk: Path, tmp_path: Path) -> No
     assert left(out) == left(tmp_path / "undisturbed")
 
 
+@pytest.mark.long
 def test_a_disk_that_becomes_read_only(small_disk: Path, tmp_path: Path) -> None:
     spec = tmp_path / "spec.yaml"
     spec.write_text(SWEEP)
@@ -76,6 +77,14 @@ def test_a_small_sweep_says_what_to_do(small_disk: Path, hknob, spec_file) -> No
         "again\n"
     )
     (small_disk / "filler").unlink()
+    assert hknob("sweep", spec_file(SPEC), "-o", small_disk / "out").returncode == 0
+
+
+def test_a_read_only_disk_is_said(small_disk: Path, hknob, spec_file) -> None:
+    subprocess.run(["mount", "-o", "remount,ro", small_disk], check=True)
+    done = hknob("sweep", spec_file(SPEC), "-o", small_disk / "out")
+    assert (done.returncode, done.stderr) == (1, f"{small_disk / 'out'}: cannot be written: Read-only file system\n")
+    subprocess.run(["mount", "-o", "remount,rw", small_disk], check=True)
     assert hknob("sweep", spec_file(SPEC), "-o", small_disk / "out").returncode == 0
 
 

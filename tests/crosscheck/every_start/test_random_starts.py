@@ -31,6 +31,7 @@ def test_every_end_is_listed(few: Listed) -> None:
         assert verdict.least_chance > 1e-6
 
 
+@pytest.mark.long
 def test_a_list_that_lacks_an_orbit_is_told(few: Listed) -> None:
     """The check can fail: an orbit is missing, or has another size, or another period."""
     rows = few.orbits[1]

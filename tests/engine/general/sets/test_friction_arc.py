@@ -182,7 +182,7 @@ def end_of(one: GeneralKnob, phase: float) -> list[float]:
     ("kind", "level", "rate"),
     [
         pytest.param("finger", 5.6e-4, 464.2, marks=pytest.mark.long),
-        ("winding", 2e-4, 464.2),
+        pytest.param("winding", 2e-4, 464.2, marks=pytest.mark.long),
         pytest.param("finger, lag", 1e-4, 464.2, marks=pytest.mark.long),
         ("stiff finger", 1e-3, 1000.0),
     ],
