@@ -9,7 +9,7 @@ import pytest
 from hknob_cli.figures import draw, theme
 from hknob_cli.figures.grid import grid, rows_of
 from hknob_cli.figures.numbers import log_ticks, number
-from hknob_cli.results.result_set import MissingError, ResultSet
+from hknob_cli.results.result_set import MissingError, Result, ResultSet
 from hknob_cli.specs.drawings import MODULES
 from tests.conftest import EXPERIMENTS, Command
 from tests.forked import Forks
@@ -186,16 +186,27 @@ CASES: list[tuple[str, object, dict, tuple[str, ...]]] = [
 ]
 
 
+class Runs(ResultSet):
+    """Every result of `RUNS`, through the command line, each when it is first asked for."""
+
+    def __init__(self, folder: Path, hknob: Command) -> None:
+        super().__init__({})
+        self.folder, self.hknob = folder, hknob
+
+    def __getitem__(self, name: str) -> Result:
+        if name in RUNS and name not in self._results:
+            stage, spec, *overrides = RUNS[name]
+            options = [part for override in overrides for part in ("--set", override)]
+            done = self.hknob(stage, EXPERIMENTS / f"{spec}.yaml", *options, "-o", self.folder / name)
+            assert done.returncode == 0, done.stderr
+            self._results[name] = Result(name, self.folder / name)
+        return super().__getitem__(name)
+
+
 @pytest.fixture(scope="session")
 def evidence(tmp_path_factory: pytest.TempPathFactory, forks: Forks) -> ResultSet:
-    """Every result of `RUNS`, through the command line."""
     folder = tmp_path_factory.mktemp("results")
-    hknob = Command(forks, folder)
-    for name, (stage, spec, *overrides) in RUNS.items():
-        options = [part for override in overrides for part in ("--set", override)]
-        done = hknob(stage, EXPERIMENTS / f"{spec}.yaml", *options, "-o", folder / name)
-        assert done.returncode == 0, done.stderr
-    return ResultSet({name: folder / name for name in RUNS})
+    return Runs(folder, Command(forks, folder))
 
 
 def text_of(svg: str) -> str:
