@@ -20,6 +20,14 @@ def turns(by: str, n: int) -> int:
     return int.from_bytes(hashlib.sha256(by.encode()).digest()[:8]) % n
 
 
+def first_of_each(cases: Sequence[tuple[Any, ...]]) -> list[Any]:
+    """Cases as parameters, of which the first with each name is not long; the name comes first."""
+    names = [case[0] for case in cases]
+    return [
+        pytest.param(*case, marks=[pytest.mark.long] if case[0] in names[:i] else []) for i, case in enumerate(cases)
+    ]
+
+
 class Draw:
     """A plugin of pytest that leaves out the long tests that ``by`` does not draw, and says how many."""
 

@@ -71,14 +71,17 @@ def rubbing(kind: str, level: float, rate: float, **more: Any) -> GeneralKnob:
     return sample_general(plain, sample_rate_hz=rate, counts_per_rev=1024)
 
 
-@settings(deadline=None, max_examples=20)
-@given(
-    kind=st.sampled_from(sorted(KINDS)),
-    level=st.sampled_from(LEVELS),
-    rate=st.sampled_from([100.0, 464.2, 2154.0, 10000.0]),
-    seed=st.integers(0, 2**32 - 1),
-    length=st.floats(-7.0, 0.0),
-)
+PHASES_OF_ARCS = {
+    "kind": st.sampled_from(sorted(KINDS)),
+    "level": st.sampled_from(LEVELS),
+    "rate": st.sampled_from([100.0, 464.2, 2154.0, 10000.0]),
+    "seed": st.integers(0, 2**32 - 1),
+    "length": st.floats(-7.0, 0.0),
+}
+
+
+@settings(deadline=None, max_examples=8)
+@given(**PHASES_OF_ARCS)
 def test_no_phase_leaves_its_arc(kind: str, level: float, rate: float, seed: int, length: float) -> None:
     """Each of 9, moved by itself, is in the ball beside the line after every hold, and stands where all of it does."""
     one, chance = rubbing(kind, level, rate), np.random.default_rng(seed)
@@ -98,6 +101,13 @@ def test_no_phase_leaves_its_arc(kind: str, level: float, rate: float, seed: int
         rub_many(z, 0.0, low + 0.5 * width * (1.0 + float(part)), body, zeros(2 * n))
         states.append(z)
     follow_holds(one, room, drift, parts, states, chance)
+
+
+@pytest.mark.long
+@settings(deadline=None, max_examples=20)
+@given(**PHASES_OF_ARCS)
+def test_no_phase_leaves_its_arc_of_more(**drawn: Any) -> None:
+    test_no_phase_leaves_its_arc.hypothesis.inner_test(**drawn)
 
 
 def follow_holds(one: GeneralKnob, room: Any, drift: Any, parts: Any, states: list[Any], chance: Any) -> None:
@@ -123,15 +133,18 @@ def follow_holds(one: GeneralKnob, room: Any, drift: Any, parts: Any, states: li
                 assert not stood or z[0] == was
 
 
-@settings(deadline=None, max_examples=25)
-@given(
-    kind=st.sampled_from(sorted(KINDS)),
-    level=st.sampled_from(LEVELS[1:]),
-    rate=st.sampled_from([100.0, 464.2, 2154.0, 10000.0]),
-    seed=st.integers(0, 2**32 - 1),
-    length=st.floats(-6.0, 0.0),
-    round_=st.sampled_from([0.0, 0.0, 0.1]),
-)
+STRAIGHT_ARCS = {
+    "kind": st.sampled_from(sorted(KINDS)),
+    "level": st.sampled_from(LEVELS[1:]),
+    "rate": st.sampled_from([100.0, 464.2, 2154.0, 10000.0]),
+    "seed": st.integers(0, 2**32 - 1),
+    "length": st.floats(-6.0, 0.0),
+    "round_": st.sampled_from([0.0, 0.0, 0.1]),
+}
+
+
+@settings(deadline=None, max_examples=8)
+@given(**STRAIGHT_ARCS)
 def test_no_state_of_a_straight_arc_leaves_it(
     kind: str, level: float, rate: float, seed: int, length: float, round_: float
 ) -> None:
@@ -161,6 +174,13 @@ def test_no_state_of_a_straight_arc_leaves_it(
         more = some()
         states.append([centre[j] + float(part) * line[j] + round_ * size * more[j] for j in range(n)])
     follow_holds(one, room, drift, parts, states, chance)
+
+
+@pytest.mark.long
+@settings(deadline=None, max_examples=25)
+@given(**STRAIGHT_ARCS)
+def test_no_state_of_a_straight_arc_leaves_it_of_more(**drawn: Any) -> None:
+    test_no_state_of_a_straight_arc_leaves_it.hypothesis.inner_test(**drawn)
 
 
 def phases_of(one: GeneralKnob, **limits: Any) -> Any:

@@ -72,14 +72,17 @@ def torque(one: GeneralKnob, room: Any, u: float, chance: np.random.Generator) -
     return u
 
 
-@settings(deadline=None, max_examples=40)
-@given(
-    kind=st.sampled_from(sorted(KINDS)),
-    level=st.sampled_from(LEVELS),
-    width=st.sampled_from([0.02, 0.5, 3.0]),
-    seed=st.integers(0, 2**32 - 1),
-    length=st.floats(-6.0, 0.0),
-)
+COUNTED_ARCS = {
+    "kind": st.sampled_from(sorted(KINDS)),
+    "level": st.sampled_from(LEVELS),
+    "width": st.sampled_from([0.02, 0.5, 3.0]),
+    "seed": st.integers(0, 2**32 - 1),
+    "length": st.floats(-6.0, 0.0),
+}
+
+
+@settings(deadline=None, max_examples=12)
+@given(**COUNTED_ARCS)
 def test_no_state_counts_otherwise(kind: str, level: float, width: float, seed: int, length: float) -> None:
     """Each of 7, moved by itself, reads after every hold what one of the counts of the arc reads at its place."""
     one, chance = behind(kind, level, width), np.random.default_rng(seed)
@@ -98,6 +101,13 @@ def test_no_state_counts_otherwise(kind: str, level: float, width: float, seed: 
             counts[number], _ = turn_and_count(z, u, span, counts[number], body, wall, zeros(2 * body.order))
             shown = read_after(z[0], counts[number], wall)
             assert read_after(z[0], room.arc[COUNT], wall) <= shown <= read_after(z[0], room.arc[COUNT_TO], wall)
+
+
+@pytest.mark.long
+@settings(deadline=None, max_examples=40)
+@given(**COUNTED_ARCS)
+def test_no_state_counts_otherwise_of_more(**drawn: Any) -> None:
+    test_no_state_counts_otherwise.hypothesis.inner_test(**drawn)
 
 
 @pytest.mark.parametrize("level", LEVELS)
