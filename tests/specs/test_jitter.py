@@ -10,6 +10,8 @@ from hknob_cli.specs.plan import SweepPlan
 from hknob_cli.stages.sweep.run import SweepStage
 from tests.specs.small_cells import CHANGES, KINDS, swept
 
+pytestmark = pytest.mark.usefixtures("loop_not_kept")
+
 JITTER = {"scene": {"clock": {"jitter": 0.05}}}
 
 
