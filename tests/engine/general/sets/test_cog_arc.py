@@ -28,7 +28,7 @@ from hknob_cli.engine.general.sets.friction_arc import (
 from hknob_cli.engine.general.sets.friction_arc_search import FrictionArcEngine, can_rub_arcs, make_rub_room, rub_drift
 from hknob_cli.engine.general.slopes import cog_acceleration, cog_many
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
-from hknob_cli.specs.electrical import reduced
+from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.scene import SceneSpec
 from tests.verification.general_scenes import TWO_PARTS, scene
 
