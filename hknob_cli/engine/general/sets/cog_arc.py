@@ -30,7 +30,7 @@ from hknob_cli.engine.general.cogging import (
 )
 from hknob_cli.engine.general.columns import Columns, turn_round
 from hknob_cli.engine.general.corners import growth_rate
-from hknob_cli.engine.general.sets.cog_stop import slides_on, stop_on_slope
+from hknob_cli.engine.general.sets.cog_stop import Spread, slides_on, stop_on_slope
 from hknob_cli.engine.general.sets.friction_arc import (
     BALL,
     BESIDE,
@@ -75,13 +75,26 @@ def time_beside(room, speed, passes, pace, far, span):
     return min(span, ways * far / sqrt(square))
 
 
-def rubs_alike(room, z, u, slope, mode, span, apart, fast, body):
+def time_of_piece(room, z, slope, mode, corners, spread, span, cogs):
+    """As `time_beside`, of a piece of ``span`` from ``room.first`` to ``z``, in all; in a mode without turning points.
+
+    ``corners``: whether one is passed where it begins, and where it ends.
+    """
+    passed, passes = corners
+    if mode == FREE:
+        return span
+    if mode == 0:
+        return 0.0
+    near = time_beside(room_on(room.first[0], slope, cogs), room.first[1], passed, spread.fast, spread.far, span)
+    return near + time_beside(room_on(z[0], slope, cogs), z[1], passes, spread.fast, spread.far, span)
+
+
+def rubs_alike(room, z, u, slope, mode, span, spread, body):
     """Whether all states of an arc begin a hold in the mode of the centre, and where it begins at rest go on in it.
 
-    If all come to stand in it, the arc notes that. ``apart``: how far states may be from the centre, and ``fast``: how
-    large its rates may be, all along.
+    If all come to stand in it, the arc notes that.
     """
-    arc, stiff = room.arc, stiffness(body) + body.cogs[ROOT]
+    arc, apart, stiff = room.arc, spread.apart, stiffness(body) + body.cogs[ROOT]
     stands, pull = arc[STANDS] > 0.0, abs(cog_acceleration(z, u, slope, body))
     arc[STANDS] = 0.0
     if mode == 0:
@@ -89,8 +102,45 @@ def rubs_alike(room, z, u, slope, mode, span, apart, fast, body):
             arc[STANDS] = 1.0
         return stands and arc[STANDS] > 0.0
     if z[1] == 0.0:
-        return stands and pull - body.friction - stiff * apart > stiff * (fast + room.fast[1] * apart) * span
+        return stands and pull - body.friction - stiff * apart > stiff * (spread.fast + room.fast[1] * apart) * span
     return True
+
+
+def rounded_by(room, z, u, fast, wide, drift, body):
+    """Bounds on what roundings add in a hold, for each step: to the centre, and to a column, ``(wrong, skewed)``.
+
+    ``fast``: how far the rates carry the centre; ``wide``: size of the columns.
+    """
+    wrong, skewed = drift.once[0] + drift.once[1] * abs(u), 0.0
+    for j in range(body.order):
+        wrong += drift.once[2 + j] * (abs(z[j]) + room.spans[j] * fast)
+        skewed += drift.once[2 + j] * room.spans[j] * wide
+    return wrong, skewed
+
+
+def spread_of(room, z, u, slope, mode, span, grown, body):
+    """The `cog_stop.Spread` of an arc in a hold in which sizes grow at most by ``grown``."""
+    apart = apart_of(room, body) * grown
+    cog_rate(z, u, slope, mode, body, room.pad)
+    fast = size_at(body.cogs, room.pad, 0, body) * grown  # they are less after a stop
+    far = min(unit_reach(body) * apart, abs(room.columns[0]) + beside_of(room, body) + apart * span)
+    return Spread(apart, far + 8.0 * EPSILON * abs(z[0]), fast)
+
+
+def keep_ball(room, growth, more, body):
+    """Let the ball of an arc, which has moved with its columns, grow by a factor, and by ``more`` beside them."""
+    room.arc[BALL] *= growth
+    room.arc[BESIDE] = room.arc[BESIDE] * growth + more
+    radius = ball_of(room, body)
+    if room.arc[BESIDE] > WIDE * radius:
+        begin_ball(room, radius, body)
+
+
+def leave_line(room, radius, body):
+    """Let all of an arc be in a ball."""
+    begin_ball(room, radius, body)
+    for j in range(body.order):
+        room.columns[j] = 0.0
 
 
 def roll_arc(room, z, u, span, drift, body):
@@ -99,25 +149,18 @@ def roll_arc(room, z, u, span, drift, body):
     count = len(room.columns) // (n + 1)
     columns = Columns(room.columns, count * n, count, n)
     slope, rate = slope_at(z[0], cogs), growth_rate(body)
-    mode = way_from(z, u, slope, body)
-    grown = exp(rate * span) * ROUNDED
-    apart, wide = apart_of(room, body) * grown, size_at(cogs, room.columns, 0, body) + ball_of(room, body)
-    cog_rate(z, u, slope, mode if rubs else FREE, body, pad)
-    fast = size_at(cogs, pad, 0, body) * grown  # of the rates, all along; they are less after a stop
-    far = min(unit_reach(body) * apart, abs(room.columns[0]) + beside_of(room, body) + apart * span)
-    far += 8.0 * EPSILON * abs(z[0])
-    calm = room_on(z[0], slope, cogs) > far + (abs(z[1]) + 0.5 * fast * span) * span
-    wrong, skewed = drift.once[0] + drift.once[1] * abs(u), 0.0
-    for j in range(n):
-        wrong += drift.once[2 + j] * (abs(z[j]) + room.spans[j] * fast * span)
-        skewed += drift.once[2 + j] * room.spans[j] * wide * grown
+    mode, grown = way_from(z, u, slope, body), exp(rate * span) * ROUNDED
+    wide = size_at(cogs, room.columns, 0, body) + ball_of(room, body)
+    spread = spread_of(room, z, u, slope, mode if rubs else FREE, span, grown, body)
+    calm = room_on(z[0], slope, cogs) > spread.far + (abs(z[1]) + 0.5 * spread.fast * span) * span
+    wrong, skewed = rounded_by(room, z, u, spread.fast * span, wide * grown, drift, body)
     if not rubs and (calm or mode == 0):
         mode = FREE  # no corner is near; or it balances
     begun, alike = z[1], True  # speed since which it slides
     if rubs:
-        alike = rubs_alike(room, z, u, slope, mode, span, apart, fast, body)
+        alike = rubs_alike(room, z, u, slope, mode, span, spread, body)
     left, loose, near, more, wait, steps, pieces = span, 0.0, 0.0, 0.0, 0.0, 0, 1
-    passes, fresh = False, mode != 0 and z[1] == 0.0
+    passed, fresh = False, mode != 0 and z[1] == 0.0
     while left > 0.0:
         copy_to(room.first, z)
         t, end, taken = roll_in_steps(z, u, slope, mode, left, fresh, body, pad)
@@ -126,27 +169,22 @@ def roll_arc(room, z, u, span, drift, body):
         steps += taken
         if not is_stable(slope):
             loose += t
-        turns = end == TURNED
-        if not calm and mode == FREE:
-            near += t
-        elif not calm and mode != 0:
-            near += time_beside(room_on(room.first[0], slope, cogs), room.first[1], passes, fast, far, t)
-            near += time_beside(room_on(z[0], slope, cogs), z[1], end > TURNED, fast, far, t)
-        passes = end > TURNED
+        passes, turns = end > TURNED, end == TURNED
+        if not calm:
+            near += time_of_piece(room, z, slope, mode, (passed, passes), spread, t, cogs)
+        passed = passes
         if rubs and mode != 0:
             window, after = 0.0, mode
             if turns:
-                same, window, after, jump, added = stop_on_slope(room, z, u, slope, mode, apart, far, body)
+                same, window, after, jump, added = stop_on_slope(room, z, u, slope, mode, spread, body)
                 alike = alike and same and wait == 0.0 and 2.0 * window < left
                 more += added
                 turn_round(columns, jump, body)
             if alike and begun != 0.0:
-                alike = slides_on(room, u, slope, mode, t, (wait, window), apart, body)
-            wait = 0.0
+                alike = slides_on(room, u, slope, mode, t, (wait, window), spread, body)
+            wait = 2.0 * window
             if turns:
-                wait, begun = 2.0 * window, 1.0
-                if after == 0 and alike:
-                    arc[STANDS] = 1.0
+                begun, arc[STANDS] = 1.0, 1.0 if after == 0 and alike else 0.0
         elif rubs and turns:
             alike = False  # it is let go, and others at other times
         if end == 0:
@@ -155,18 +193,12 @@ def roll_arc(room, z, u, span, drift, body):
         fresh = True
         pieces += 1
     arc[ERROR] = arc[ERROR] * grown + wrong * (1.0 + steps)
-    if not alike:
-        begin_ball(room, wide * grown, body)
-        for j in range(n):
-            room.columns[j] = 0.0
-        return False
-    kept = exp(rate * loose) * ROUNDED
-    arc[BALL] *= kept
-    arc[BESIDE] = arc[BESIDE] * kept + (2.0 * cogs[SLOPE] * far * near + more) * grown + STEPS * pieces * skewed
-    radius = ball_of(room, body)
-    if arc[BESIDE] > WIDE * radius:
-        begin_ball(room, radius, body)
-    return True
+    if alike:
+        added = (2.0 * cogs[SLOPE] * spread.far * near + more) * grown + STEPS * pieces * skewed
+        keep_ball(room, exp(rate * loose) * ROUNDED, added, body)
+        return True
+    leave_line(room, wide * grown, body)
+    return False
 
 
 def turns_between(start, low, high, room, body):

@@ -6,6 +6,7 @@ stop in which none can go on; and what derivatives at a stop leave out is bounde
 """
 
 from math import floor
+from typing import NamedTuple
 
 from hknob_cli.engine.general.body import HALVINGS, copy_to, norm_at, stiffness
 from hknob_cli.engine.general.cogging import (
@@ -19,6 +20,17 @@ from hknob_cli.engine.general.sets.friction_arc import FINEST, WHOLE, stop_bound
 from hknob_cli.engine.general.slide_many import accept, keeps_sign, stretch
 from hknob_cli.engine.general.slide_two import way
 from hknob_cli.engine.general.slopes import cog_acceleration, cog_rate, roll
+
+
+class Spread(NamedTuple):
+    """How far an arc's states may be from its centre all along a hold, and how fast that may change.
+
+    ``apart``: by `cogging.size_at`; ``far``: in place alone; ``fast``: size of the rates of the centre.
+    """
+
+    apart: float
+    far: float
+    fast: float
 
 
 def stays_fast(z, u, slope, mode, span, need, body, pad):
@@ -53,7 +65,7 @@ def stays_fast(z, u, slope, mode, span, need, body, pad):
     return True
 
 
-def stop_on_slope(room, z, u, slope, mode, apart, far, body):
+def stop_on_slope(room, z, u, slope, mode, spread, body):
     """What a stop of the centre ``z`` that slid in ``mode`` does to an arc: ``(alike, window, then, jump, more)``.
 
     Args:
@@ -62,13 +74,13 @@ def stop_on_slope(room, z, u, slope, mode, apart, far, body):
         u: Torque.
         slope: Of cogging, its number.
         mode: +1 or -1.
-        apart: How far states may be from the centre, by `cogging.size_at`, all along.
-        far: The same of their places.
+        spread: Of the arc.
         body: What moves.
 
     ``alike``: whether all stop within ``window`` of it, as far as the hold goes, and go on in the mode ``then``;
     ``jump``: relative change of the speeds' rate; ``more``: what derivatives leave out, by `cogging.size_at`.
     """
+    apart, far, _ = spread
     stiff, fast, pull = stiffness(body) + body.cogs[ROOT], room.fast[1], cog_acceleration(z, u, slope, body)
     rate, then = pull - mode * body.friction, way(0.0, pull, body.friction)
     if rate == 0.0:
@@ -89,11 +101,11 @@ def stop_on_slope(room, z, u, slope, mode, apart, far, body):
     return alike, window, then, (after - rate) / rate, more
 
 
-def slides_on(room, u, slope, mode, span, apart_from, apart, body):
+def slides_on(room, u, slope, mode, span, apart_from, spread, body):
     """Whether all states slide in ``mode`` on a slope, over a piece of ``span`` in which the centre does.
 
-    The piece begins at ``room.first``. ``apart_from``: as long as this after it begins, and before it ends, a state may
-    do otherwise; ``apart``: as `stop_on_slope`.
+    The piece begins at ``room.first``. ``apart_from``: ``(wait, window)``, so long after it begins, and twice so long
+    before it ends, a state may do otherwise.
     """
     wait, window = apart_from
     left = span - wait - 2.0 * window
@@ -102,4 +114,4 @@ def slides_on(room, u, slope, mode, span, apart_from, apart, body):
     copy_to(room.begun, room.first)
     if wait > 0.0:
         roll(room.begun, u, slope, mode, wait, True, body, room.pad)
-    return stays_fast(room.begun, u, slope, mode, left, apart, body, room.pad)
+    return stays_fast(room.begun, u, slope, mode, left, spread.apart, body, room.pad)
