@@ -152,10 +152,11 @@ def roll_arc(room, z, u, span, drift, body):
     mode, grown = way_from(z, u, slope, body), exp(rate * span) * ROUNDED
     wide = size_at(cogs, room.columns, 0, body) + ball_of(room, body)
     spread = spread_of(room, z, u, slope, mode if rubs else FREE, span, grown, body)
-    calm = room_on(z[0], slope, cogs) > spread.far + (abs(z[1]) + 0.5 * spread.fast * span) * span
+    moved = (abs(z[1]) + 0.5 * spread.fast * span) * span  # by the centre, at most
+    calm = room_on(z[0], slope, cogs) > spread.far + moved
     wrong, skewed = rounded_by(room, z, u, spread.fast * span, wide * grown, drift, body)
-    if not rubs and (calm or mode == 0):
-        mode = FREE  # no corner is near; or it balances
+    if not rubs and (calm or moved <= spread.far or mode == 0):
+        mode = FREE  # no corner is near; or it hardly moves, and turns round, if it does, by roundings
     begun, alike = z[1], True  # speed since which it slides
     if rubs:
         alike = rubs_alike(room, z, u, slope, mode, span, spread, body)
@@ -190,9 +191,11 @@ def roll_arc(room, z, u, span, drift, body):
         if end == 0:
             break
         slope, mode = pass_on(z, u, slope, mode, end, body)
+        if not rubs and mode == 0:
+            mode = FREE  # it balances where it has turned round
         fresh = True
         pieces += 1
-    arc[ERROR] = arc[ERROR] * grown + wrong * (1.0 + steps)
+    arc[ERROR] = (arc[ERROR] + wrong * (1.0 + steps)) * grown
     if alike:
         added = (2.0 * cogs[SLOPE] * spread.far * near + more) * grown + STEPS * pieces * skewed
         keep_ball(room, exp(rate * loose) * ROUNDED, added, body)
