@@ -92,8 +92,10 @@ def time_of_piece(room, z, slope, mode, corners, spread, span, cogs):
 def rubs_alike(room, z, u, slope, mode, span, spread, body):
     """Whether all states of an arc begin a hold in the mode of the centre, and where it begins at rest go on in it.
 
-    If all come to stand in it, the arc notes that.
+    If all come to stand in it, the arc notes that. Where nothing rubs they do.
     """
+    if body.friction == 0.0:
+        return True
     arc, apart, stiff = room.arc, spread.apart, stiffness(body) + body.cogs[ROOT]
     stands, pull = arc[STANDS] > 0.0, abs(cog_acceleration(z, u, slope, body))
     arc[STANDS] = 0.0
@@ -136,6 +138,14 @@ def keep_ball(room, growth, more, body):
         begin_ball(room, radius, body)
 
 
+def pass_over(z, u, slope, mode, end, body):
+    """As `slopes.pass_on`; what nothing rubs, and balances where it has turned round, has no turning points there."""
+    slope, mode = pass_on(z, u, slope, mode, end, body)
+    if mode == 0 and body.friction == 0.0:
+        mode = FREE
+    return slope, mode
+
+
 def leave_line(room, radius, body):
     """Let all of an arc be in a ball."""
     begin_ball(room, radius, body)
@@ -157,9 +167,8 @@ def roll_arc(room, z, u, span, drift, body):
     wrong, skewed = rounded_by(room, z, u, spread.fast * span, wide * grown, drift, body)
     if not rubs and (calm or moved <= spread.far or mode == 0):
         mode = FREE  # no corner is near; or it hardly moves, and turns round, if it does, by roundings
-    begun, alike = z[1], True  # speed since which it slides
-    if rubs:
-        alike = rubs_alike(room, z, u, slope, mode, span, spread, body)
+    moving = z[1] != 0.0  # of what is let go it is told that it slides on
+    alike = rubs_alike(room, z, u, slope, mode, span, spread, body)
     left, loose, near, more, wait, steps, pieces = span, 0.0, 0.0, 0.0, 0.0, 0, 1
     passed, fresh = False, mode != 0 and z[1] == 0.0
     while left > 0.0:
@@ -181,18 +190,16 @@ def roll_arc(room, z, u, span, drift, body):
                 alike = alike and same and wait == 0.0 and 2.0 * window < left
                 more += added
                 turn_round(columns, jump, body)
-            if alike and begun != 0.0:
+            if alike and moving:
                 alike = slides_on(room, u, slope, mode, t, (wait, window), spread, body)
             wait = 2.0 * window
             if turns:
-                begun, arc[STANDS] = 1.0, 1.0 if after == 0 and alike else 0.0
+                moving, arc[STANDS] = True, 1.0 if after == 0 and alike else 0.0
         elif rubs and turns:
             alike = False  # it is let go, and others at other times
         if end == 0:
             break
-        slope, mode = pass_on(z, u, slope, mode, end, body)
-        if not rubs and mode == 0:
-            mode = FREE  # it balances where it has turned round
+        slope, mode = pass_over(z, u, slope, mode, end, body)
         fresh = True
         pieces += 1
     arc[ERROR] = (arc[ERROR] + wrong * (1.0 + steps)) * grown

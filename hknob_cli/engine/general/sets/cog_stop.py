@@ -101,13 +101,13 @@ def stop_on_slope(room, z, u, slope, mode, spread, body):
     return alike, window, then, (after - rate) / rate, more
 
 
-def slides_on(room, u, slope, mode, span, apart_from, spread, body):
+def slides_on(room, u, slope, mode, span, times, spread, body):
     """Whether all states slide in ``mode`` on a slope, over a piece of ``span`` in which the centre does.
 
-    The piece begins at ``room.first``. ``apart_from``: ``(wait, window)``, so long after it begins, and twice so long
+    The piece begins at ``room.first``. ``times``: ``(wait, window)``, so long after it begins, and twice so long
     before it ends, a state may do otherwise.
     """
-    wait, window = apart_from
+    wait, window = times
     left = span - wait - 2.0 * window
     if not left > 0.0:
         return False
