@@ -117,10 +117,6 @@ EXCEPTIONS = {
         for part in ("hysteresis", "backlash")
         for other, *unless in (("controller", "several_readings"), ("virtual_damping",), ("lag",), ("current_loop",))
     },
-    **{
-        ("cogging", part, "friction_arcs"): Lower(REFUSED, "arcs have no turning points on slopes of cogging")
-        for part in ("hysteresis", "backlash")
-    },
     ("cogging", "bare", "general"): Lower(EXACT, "a cycle that passes a corner is proven by counts"),
     ("cogging", "speed_sensor", "laws"): Lower(EXACT, "the torque follows a motion that is not affine"),
     **{

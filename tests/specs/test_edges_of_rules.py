@@ -279,8 +279,11 @@ def test_a_controller_of_which_a_part_hinders_is_not_named_twice() -> None:
 @pytest.mark.parametrize(
     ("parts", "said"),
     [
-        ({"cogging", "hysteresis"}, "hysteresis of the encoder and cogging torque"),
-        ({"cogging", "hysteresis", "controller"}, "a controller beside hysteresis of the encoder and cogging torque"),
+        ({"cogging", "lag", "friction"}, "Coulomb friction, actuator lag and cogging torque"),
+        (
+            {"cogging", "coil", "friction", "controller"},
+            "a controller beside Coulomb friction, a winding with inductance and cogging torque",
+        ),
         (
             {"cogging", "finger", "friction"},
             "Coulomb friction, a finger apart from the knob and cogging torque",

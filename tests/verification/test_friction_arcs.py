@@ -126,6 +126,24 @@ CASES: dict[str, tuple[str | None, dict[str, Any], float, int]] = {
     "cogging, friction, bounded lag": ("bounded lag", rub(1e-4, cogging=COGS), 1000.0, 512),
     "cogging, friction, impulse": ("impulse, short", rub(1e-4, cogging=COGS), 1000.0, 512),
     "cogging, tracked": ("speed, tracked", rub(0.0, cogging=COGS), 1000.0, 512),
+    "cogging, hysteresis": (None, rub(0.0, cogging=COGS, encoder=TURNS_BACK), 1000.0, 512),
+    "cogging, hysteresis, strong": (None, rub(0.0, cogging=COGS | {"torque": 3e-3}, encoder=TURNS_BACK), 464.0, 512),
+    "cogging, friction, slack": (None, rub(1e-4, cogging=COGS, encoder={"backlash": 0.02}), 464.0, 256),
+    "cogging, friction, hysteresis": (None, rub(1e-4, cogging=COGS, encoder={"hysteresis_counts": 0.1}), 1000.0, 512),
+    "cogging, finger, lag, hysteresis": (
+        None,
+        rub(0.0, hand=TWO_PARTS, cogging=COGS, actuator={"time_constant": 2e-4}, encoder={"hysteresis_counts": 0.05}),
+        1000.0,
+        512,
+    ),
+    "cogging, bounded lag, hysteresis": ("bounded lag", rub(5e-5, cogging=COGS, encoder=TURNS_BACK), 1000.0, 512),
+    "cogging, virtual damping, hysteresis": (
+        None,
+        rub(0.0, cogging=COGS, wall={"damping": 2e-5}, encoder={"hysteresis_counts": 0.1}),
+        464.0,
+        512,
+    ),
+    "cogging, impulse, hysteresis": ("impulse, short", rub(1e-4, cogging=COGS, encoder=TURNS_BACK), 464.0, 512),
     "impulse, coil, hysteresis": ("impulse, short", rub(2e-4, encoder=TURNS_BACK, **COIL), 464.0, 512),
 }
 

@@ -15,10 +15,9 @@ Elsewhere all of the arc is in the ball then, of which friction takes energy onl
 from math import exp, sqrt
 
 from hknob_cli.engine.certificate import EPSILON
-from hknob_cli.engine.general.body import copy_to, stiffness
+from hknob_cli.engine.general.body import copy_to
 from hknob_cli.engine.general.cogging import (
     FREE,
-    ROOT,
     SLOPE,
     TURNED,
     has_cogs,
@@ -30,7 +29,7 @@ from hknob_cli.engine.general.cogging import (
 )
 from hknob_cli.engine.general.columns import Columns, turn_round
 from hknob_cli.engine.general.corners import growth_rate
-from hknob_cli.engine.general.sets.cog_stop import Spread, slides_on, stop_on_slope
+from hknob_cli.engine.general.sets.cog_stop import Spread, slides_on, stiff_of, stop_on_slope
 from hknob_cli.engine.general.sets.friction_arc import (
     BALL,
     BESIDE,
@@ -96,7 +95,7 @@ def rubs_alike(room, z, u, slope, mode, span, spread, body):
     """
     if body.friction == 0.0:
         return True
-    arc, apart, stiff = room.arc, spread.apart, stiffness(body) + body.cogs[ROOT]
+    arc, apart, stiff = room.arc, spread.apart, stiff_of(body)
     stands, pull = arc[STANDS] > 0.0, abs(cog_acceleration(z, u, slope, body))
     arc[STANDS] = 0.0
     if mode == 0:

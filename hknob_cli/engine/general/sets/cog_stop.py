@@ -33,6 +33,11 @@ class Spread(NamedTuple):
     fast: float
 
 
+def stiff_of(body):
+    """Bound on the acceleration of the knob by springs, dampers and a torque that lags, by `cogging.size_at`."""
+    return stiffness(body) + body.cogs[ROOT] + body.lag
+
+
 def stays_fast(z, u, slope, mode, span, need, body, pad):
     """Whether a speed stays over ``need`` in a slide over ``span`` on one slope; ``z`` is moved along.
 
@@ -51,7 +56,7 @@ def stays_fast(z, u, slope, mode, span, need, body, pad):
         while not told:
             share = least_share(body.cogs, slope, h)
             if share > 0.0:
-                told = keeps_sign(value, pad[1] * mode, size / share * (stiffness(body) + root), h)
+                told = keeps_sign(value, pad[1] * mode, size / share * stiff_of(body), h)
             if not told:
                 half += 1
                 h *= 0.5
@@ -80,21 +85,24 @@ def stop_on_slope(room, z, u, slope, mode, spread, body):
     ``alike``: whether all stop within ``window`` of it, as far as the hold goes, and go on in the mode ``then``;
     ``jump``: relative change of the speeds' rate; ``more``: what derivatives leave out, by `cogging.size_at`.
     """
-    apart, far, _ = spread
-    stiff, fast, pull = stiffness(body) + body.cogs[ROOT], room.fast[1], cog_acceleration(z, u, slope, body)
+    apart, far, size = spread
+    stiff, fast, pull = stiff_of(body), room.fast[1], cog_acceleration(z, u, slope, body)
     rate, then = pull - mode * body.friction, way(0.0, pull, body.friction)
     if rate == 0.0:
         return False, 0.0, then, 0.0, 0.0
     slowed, after = abs(rate), 0.0 if then == 0 else pull - then * body.friction
     window, own = 2.0 * apart / slowed, stiff * apart
-    bend, slow = stiff * (2.0 * slowed + fast * apart), -1.0
+    before, later = 2.0 * size, size  # of the rates; twice as much for a window before
+    if body.order == 2:
+        before, later = 2.0 * slowed, abs(after)
+    bend, slow = stiff * (before + fast * apart), -1.0
     alike = 2.0 * fast * window <= 0.5 and 2.0 * (own + 2.0 * bend * window) <= slowed
     alike = alike and room_on(z[0], slope, body.cogs) > far + 8.0 * slowed * window * window
     if then == 0:
         slow = 0.0
         alike = alike and body.friction - abs(pull) > own + bend * window
     else:
-        later = stiff * (abs(after) + fast * apart)
+        later = stiff * (later + fast * apart)
         bend = max(bend, later)
         alike = alike and 2.0 * (own + 2.0 * later * window) <= abs(after)
     more = stop_bound(slowed, abs(after - rate), bend, slow, apart, window, room, body)

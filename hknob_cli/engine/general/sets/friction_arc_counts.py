@@ -9,12 +9,16 @@ counts. Where these differ the arc is halved, unless it is one of the narrowest:
 ``turns`` is a `room.TurnRoom`, or None without hysteresis.
 """
 
-from math import floor
+from math import exp, floor
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.advance import next_mode
 from hknob_cli.engine.general.body import acceleration, copy_to
+from hknob_cli.engine.general.cogging import FREE, TURNED, has_cogs, size_at, slope_at, unit_reach
 from hknob_cli.engine.general.controller import read, read_after, told
+from hknob_cli.engine.general.corners import growth_rate
+from hknob_cli.engine.general.sets.cog_arc import pass_over
+from hknob_cli.engine.general.sets.cog_stop import Spread, slides_on, stop_on_slope
 from hknob_cli.engine.general.sets.friction_arc import (
     COUNT,
     COUNT_TO,
@@ -26,6 +30,7 @@ from hknob_cli.engine.general.sets.friction_arc import (
 )
 from hknob_cli.engine.general.slide_many import slide_many
 from hknob_cli.engine.general.slide_two import way
+from hknob_cli.engine.general.slopes import cog_rate, roll, way_from
 
 ROUNDED = 1.0 + 1e-9  # times how far states are from a line: what moving it over a hold rounds
 PARTS_TRIED = 3  # of a slide, of which all but the last 1/64, 1/16 or 1/4 is shown to be fast
@@ -103,6 +108,51 @@ def window_of(room, u, mode, slide, apart, body):
     return begins, ends, first, room.ahead[0]
 
 
+def count_on_slopes(room, u, span, before, body, watch):
+    """As `count_turns` does, from corner to corner of cogging: one turn of all states after the other, as `cog_stop`.
+
+    From where it is not known on that all do alike, they may turn round anywhere.
+    """
+    cogs, z, pad, left = body.cogs, room.turning, room.pad, span
+    slope = slope_at(z[0], cogs)
+    mode = way_from(z, u, slope, body)
+    cog_rate(z, u, slope, mode, body, pad)
+    grown = exp(growth_rate(body) * span) * ROUNDED
+    fast, apart = size_at(cogs, pad, 0, body) * grown, max(before[0] * grown, apart_of(room, body))
+    far = min(unit_reach(body) * apart, before[1] * ROUNDED + apart * span) + 8.0 * EPSILON * (abs(z[0]) + 1.0)
+    moved = (abs(z[1]) + 0.5 * fast * span) * span  # by the centre, at most
+    if body.friction == 0.0 and (mode == 0 or moved <= far):  # it balances, or turns round by roundings
+        pass_window(z[0], z[0], (z[0], z[0]), far + moved, room.arc, watch)
+        return
+    spread, wait, known, fresh = Spread(apart, far, fast), 0.0, mode != 0, mode != 0 and z[1] == 0.0
+    first, low, high = z[0], z[0], z[0]
+    while left > 0.0:
+        if known:
+            first, low, high = z[0], z[0], z[0]
+        copy_to(room.first, z)
+        t, end = roll(z, u, slope, mode, left, fresh, body, pad)
+        left -= t
+        turns, window = end == TURNED and mode != 0, 0.0
+        if turns and known:
+            known, window, _, _, _ = stop_on_slope(room, z, u, slope, mode, spread, body)
+            known = known and 2.0 * window < left
+        known = known and mode != 0 and slides_on(room, u, slope, mode, t, (wait, window), spread, body)
+        low, high = min(low, z[0]), max(high, z[0])
+        if turns and known:
+            off = far + 8.0 * (fast + 2.0 * body.friction) * window * window
+            pass_window(z[0], z[0], (z[0], z[0]), off, room.arc, watch)
+        wait = 2.0 * window
+        if end == 0:
+            break
+        slope, mode = pass_over(z, u, slope, mode, end, body)
+        if mode == FREE:  # it balances where it has turned round
+            pass_window(first, z[0], (min(low, z[0]), max(high, z[0])), far + moved, room.arc, watch)
+            return
+        fresh = True
+    if not known:
+        pass_window(first, z[0], (low, high), far, room.arc, watch)
+
+
 def count_turns(turns, room, u, span, alike, before, body, watch):
     """Take in where states of the arc in ``room`` may have turned round in the hold that has moved it.
 
@@ -119,8 +169,13 @@ def count_turns(turns, room, u, span, alike, before, body, watch):
     if turns is None:
         return
     z, begun = room.turning, room.turning[1]
-    if body.friction > 0.0 and alike and (begun == 0.0 or begun * room.z[1] > 0.0):
-        return  # all stand, or all slide, one way
+    if body.friction > 0.0 and alike and begun == 0.0:
+        return  # all stand, or slide on from there
+    if has_cogs(body.cogs):
+        count_on_slopes(room, u, span, before, body, watch)
+        return
+    if body.friction > 0.0 and alike and begun * room.z[1] > 0.0:
+        return  # all slide, one way
     if body.friction > 0.0 and alike:
         at, far = room.stop[0], room.stop[1] * ROUNDED + body.reach * room.arc[ERROR]
         pass_window(at, at, (at, at), far, room.arc, watch)

@@ -83,7 +83,7 @@ def can_rub_arcs(body: Body, wall: Controller, law: Law | None = None) -> bool:
     known = law is None or (law.provable and not law.senses)
     plain = body.play == 0.0 and wall.analog == 0.0 and body.damped and body.reach < inf
     if body.cogs is not None:
-        return plain and known and (body.friction == 0.0 or body.order == 2) and wall.hysteresis == 0.0
+        return plain and known and (body.friction == 0.0 or body.order == 2)
     return plain and known and body.order > 2
 
 

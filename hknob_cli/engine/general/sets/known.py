@@ -171,7 +171,8 @@ def resting_on_slope(z, before, ring, reach, level, known, body, wall):
         return -1
     copy_to(known.z, orbit)
     copy_settled(known.law, ring, known.ring)
-    return add_end(REST_PROVEN, 1, read(orbit[0], wall), 0 * len(ring), known, body, wall)
+    shown = level if wall.hysteresis > 0.0 else read(orbit[0], wall)
+    return add_end(REST_PROVEN, 1, shown, 0 * len(ring), known, body, wall)
 
 
 def resting(z, before, ring, reach, level, known, body, wall):

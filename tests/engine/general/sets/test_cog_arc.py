@@ -11,11 +11,15 @@ from typing import Any
 import pytest
 
 from hknob_cli.engine.general.cogging import CENTRE, LENGTH, SLOPE, size_at, slope_at, unit_reach
+from hknob_cli.engine.general.controller import read_after
 from hknob_cli.engine.general.corners import growth_rate
+from hknob_cli.engine.general.hysteresis import turn_and_count
 from hknob_cli.engine.general.sets.cog_arc import begin_rolling, roll_arc, time_beside
 from hknob_cli.engine.general.sets.cog_stop import Spread, stop_on_slope
 from hknob_cli.engine.general.sets.friction_arc import (
     BALL,
+    COUNT,
+    COUNT_TO,
     ERROR,
     HIGH,
     LOW,
@@ -25,6 +29,7 @@ from hknob_cli.engine.general.sets.friction_arc import (
     begin_ball,
     beside_of,
 )
+from hknob_cli.engine.general.sets.friction_arc_counts import begin_counts, count_turns, keep_start, tells_counts
 from hknob_cli.engine.general.sets.friction_arc_search import FrictionArcEngine, can_rub_arcs, make_rub_room, rub_drift
 from hknob_cli.engine.general.slopes import cog_acceleration, cog_many
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
@@ -85,6 +90,19 @@ class Arc:
             z[1] = 0.0
         return at, z
 
+    def aim(self, hysteresis: float) -> tuple[float, float, float]:
+        """Let it turn round about where its count changes, inside the wall: the count before, a torque, and a time."""
+        chance, z, body = self.chance, self.room.z, self.body
+        edge, span, way = chance.randint(-9, -1), chance.uniform(0.1, 1.0), chance.choice([-1.0, 1.0])
+        z[1] = way * 10.0 ** chance.uniform(-3.0, -0.5)
+        turn = chance.uniform(0.2, 0.8) * span
+        z[0] = edge + way * 0.5 * hysteresis - 0.5 * turn * z[1] + chance.gauss(0.0, 2.0 * abs(self.line[0]))
+        self.room.arc[STANDS] = 0.0
+        u = way * body.friction - z[1] / turn - float(cog_acceleration(z, 0.0, slope_at(z[0], body.cogs), body))
+        if body.lag > 0.0:
+            z[-1] += u
+        return edge - (way > 0.0), u, span
+
     def torque(self) -> float:
         """A command: any, or one near which friction holds the centre just so."""
         body, z = self.body, self.room.z
@@ -137,11 +155,53 @@ def test_no_state_leaves_its_arc(name: str) -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("name", CELLS)
 def test_no_state_of_many_leaves_its_arc(name: str) -> None:
-    for number in range(60, 3060):
+    for number in range(60, 660):
         arc = Arc(cell(**CELLS[name]), Random(number))
         for _ in range(4):
             arc.move()
             arc.check()
+
+
+def count_states(knob: GeneralKnob, number: int) -> tuple[int, int]:
+    """States of a random arc that turn round near an edge: how many change their count, and of how many it is told.
+
+    A count may be that of the last turning point, or of any place on the way from there: both show the same here.
+    """
+    arc, wall, body = Arc(knob, Random(number)), knob.wall, knob.body
+    room, (level, u, span) = arc.room, arc.aim(wall.hysteresis)
+    states = [z for z in (arc.state(stands=False)[1] for _ in range(8)) if read_after(z[0], level, wall) == level]
+    begin_counts(True, level, room.arc)
+    size = keep_start(True, room, body)
+    alike = roll_arc(room, room.z, u, span, arc.drift, body)
+    count_turns(True, room, u, span, alike, size, body, wall)
+    changes = told = 0
+    for z in states:
+        count = turn_and_count(z, u, span, level, body, wall, [0.0] * (2 * body.order))[0]
+        shown, low, high = (read_after(z[0], one, wall) for one in (count, room.arc[COUNT], room.arc[COUNT_TO]))
+        assert low <= shown <= high
+        changes += count != level
+        told += bool(tells_counts(True, room.arc))
+    return changes, told
+
+
+def count_many(name: str, numbers: range) -> tuple[int, int]:
+    """That of random arcs of these numbers, behind little hysteresis and behind much."""
+    knobs = [cell(**CELLS[name], encoder={"hysteresis_counts": width}) for width in (0.05, 1.5)]
+    found = [count_states(knobs[number % 2], number) for number in numbers]
+    return sum(changes for changes, _ in found), sum(told for _, told in found)
+
+
+@pytest.mark.parametrize("name", CELLS)
+def test_no_state_counts_otherwise_behind_hysteresis(name: str) -> None:
+    changes, told = count_many(name, range(80))
+    assert changes > 20
+    assert told > 30  # of up to 640
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", CELLS)
+def test_no_state_of_many_counts_otherwise(name: str) -> None:
+    count_many(name, range(80, 1080))
 
 
 @pytest.mark.parametrize("friction", [0.0, 1e-4, 2e-3])
@@ -224,7 +284,7 @@ def test_what_arcs_are_followed_of() -> None:
         (cell(1e-4, 1e-3, 84), True),
         (cell(0.0, 1e-3, 84, hand=TWO_PARTS), True),
         (cell(1e-4, 1e-3, 84, hand=TWO_PARTS), False),
-        (cell(0.0, 1e-3, 84, encoder={"hysteresis_counts": 0.5}), False),
+        (cell(0.0, 1e-3, 84, encoder={"hysteresis_counts": 0.5}), True),
         (cell(0.0, 1e-3, 84, hand={"inertia": 3e-7, "damping": 3e-4, "stiffness": 0.0}), False),
     ):
         assert can_rub_arcs(knob.body, knob.wall) == able
