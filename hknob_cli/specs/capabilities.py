@@ -76,7 +76,7 @@ COLUMNS = {
     "general_sets": Column("sets: more state", _SETS, group="general sets"),
     "friction_sets": Column("sets: friction, controllers", _SETS, group="friction sets"),
     "law_sets": Column("sets: more state, controllers", _SETS, group="general sets"),
-    "friction_arcs": Column("all phases: friction, more state", _SETS, group="friction arcs"),
+    "friction_arcs": Column("all phases: arcs", _SETS, group="friction arcs"),
     "general_anywhere": Column(
         "sets: anywhere, other torques",
         "no region is known that every motion comes into; give ranges",

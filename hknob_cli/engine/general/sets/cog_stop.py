@@ -1,8 +1,9 @@
-"""Where all states of an arc slide, or stop once and go on alike, on slopes of cogging: of angle and speed alone.
+"""Where all states of an arc slide, or stop or turn round once and go on alike, on slopes of cogging.
 
-As in `friction_arc`: the speeds of two states never differ by more than the arc is large, friction or not, but for what
-an unstable slope adds. So all slide as long as the centre is faster than that; all stop within a window of the centre's
-stop in which none can go on; and what derivatives at a stop leave out is bounded there, as long as no corner is near.
+As in `friction_arc`: the speeds of two states differ by no more than the arc is large, friction or not, and an unstable
+slope lets that grow at a known rate. So all slide as long as the centre is faster than that. All stop within a window
+of the centre's stop in which none can go on. What derivatives at a stop leave out is bounded there, as long as no
+corner is near: of angle and speed alone. Without friction a stop is a turning point, of any number of states.
 """
 
 from math import floor

@@ -1,4 +1,7 @@
-"""Every clock phase of one start at once, with friction and more than angle and speed: `friction_arcs`, made ready."""
+"""Every clock phase of one start at once, with friction and more than angle and speed, or beside cogging.
+
+`friction_arcs` and `cog_arc`, made ready.
+"""
 
 from collections.abc import Callable
 from functools import partial
@@ -76,9 +79,10 @@ class RubRoom(NamedTuple):
 
 
 def can_rub_arcs(body: Body, wall: Controller, law: Law | None = None) -> bool:
-    """Whether arcs of states can be followed: the energy of differences never grows, and bounds their position.
+    """Whether arcs of states can be followed: an energy of differences bounds them, and grows by cogging alone.
 
-    The scene has more than angle and speed, reads counts, and a law is proven and feels no speed.
+    The scene has more than angle and speed, or cogging, reads counts, and a law is proven and feels no speed. With
+    cogging and friction it has no more than angle and speed.
     """
     known = law is None or (law.provable and not law.senses)
     plain = body.play == 0.0 and wall.analog == 0.0 and body.damped and body.reach < inf
