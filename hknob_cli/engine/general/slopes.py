@@ -4,9 +4,11 @@ As in `slide_many` a step is halved until it can be shown what becomes of the mo
 """
 
 from hknob_cli.engine.general.body import (
+    CONSTANT,
     ENTRY,
     HALVES_HELD,
     HALVINGS,
+    RATES,
     acceleration,
     norm_at,
     rate_of,
@@ -40,7 +42,6 @@ from hknob_cli.engine.general.slide_many import (
     keeps_sign,
     stretch,
 )
-from hknob_cli.engine.general.slide_two import way
 from hknob_cli.engine.loop import floor
 
 
@@ -56,6 +57,30 @@ def cog_rate(z, u, slope, mode, body, out):
         pull = pull_on(z[0], slope, body.cogs)
         for i in range(body.order):
             out[i] += body.vectors[ENTRY * body.order + i] * pull
+
+
+def speed_rate(z, at, u, slope, mode, body):
+    """Rate of the speed of the state that begins at ``z[at]``, sliding: as `cog_rate` computes it, to the last bit."""
+    n = body.order
+    extra = -mode * body.friction
+    if body.lag == 0.0:
+        extra += u
+    total = body.vectors[CONSTANT * n + 1] + body.vectors[ENTRY * n + 1] * extra
+    for j in range(n):
+        total += body.matrices[RATES * n * n + n + j] * z[at + j]
+    return total + body.vectors[ENTRY * n + 1] * pull_on(z[at], slope, body.cogs)
+
+
+def way_from_rest(z, at, u, slope, body):
+    """Mode of a knob at rest in the state that begins at ``z[at]``: +1 or -1 if it then slides on, 0 if friction holds.
+
+    The rate with which it would slide decides. Another sum of the same torques may round to the other side, and a knob
+    that is held by one and let go by the other would hardly go on.
+    """
+    for mode in (1, -1):
+        if speed_rate(z, at, u, slope, mode, body) * mode > 0.0:
+            return mode
+    return 0
 
 
 def held_told(z, u, pad, slope, h, body):
@@ -95,12 +120,7 @@ def over(pad, u, slope, mode, body):
     n = body.order
     x, v = pad[n], pad[n + 1]
     if mode == 0:
-        total = body.drive + pull_on(x, slope, body.cogs)
-        for j in range(n):
-            total += body.matrices[n + j] * pad[n + j]
-        if body.lag == 0.0:
-            total += u
-        return TURNED if abs(total) > body.friction else 0
+        return TURNED if way_from_rest(pad, n, u, slope, body) != 0 else 0
     if mode != FREE and v * mode < 0.0:
         return TURNED
     return corner_passed(body.cogs, x, v, slope)
@@ -168,7 +188,9 @@ def roll(z, u, slope, mode, left, fresh, body, pad):
 
 def way_from(z, u, slope, body):
     """Mode of the motion that begins at ``z`` where its turning points matter: +1 or -1 sliding, 0 held."""
-    return way(z[1], cog_acceleration(z, u, slope, body), body.friction)
+    if z[1] == 0.0:
+        return way_from_rest(z, 0, u, slope, body)
+    return 1 if z[1] > 0.0 else -1
 
 
 def settled(cogs, z, u, slope, span, body, pad):
@@ -189,11 +211,10 @@ def pass_on(z, u, slope, mode, end, body):
         return slope + 1.0, mode
     if end == FALLEN:
         return slope - 1.0, mode
-    pull = cog_acceleration(z, u, slope, body)
     if mode == 0:
-        return slope, 1 if pull > 0.0 else -1
+        return slope, 1 if cog_acceleration(z, u, slope, body) > 0.0 else -1
     z[1] = 0.0
-    return slope, way(0.0, pull, body.friction)
+    return slope, way_from_rest(z, 0, u, slope, body)
 
 
 def cog_many(cogs, z, u, span, body, pad):

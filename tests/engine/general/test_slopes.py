@@ -1,5 +1,6 @@
 """Cogging from corner to corner: against matrix exponentials, event by event, and what is asked for, by hand."""
 
+from random import Random
 from types import SimpleNamespace
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 
 from hknob_cli.engine.general import slopes
 from hknob_cli.engine.general.body import Body
-from hknob_cli.engine.general.cogging import FALLEN, FREE, RISEN, STABLE, TURNED, UNSTABLE, slope_at
+from hknob_cli.engine.general.cogging import FALLEN, FREE, LENGTH, RISEN, STABLE, TURNED, UNSTABLE, slope_at
 from hknob_cli.engine.general.slopes import cog_acceleration, cog_chart, cog_many, cog_rate, pass_on, roll, way_from
 
 from .cogs import COGS, PLAIN, RUBS, SCENES, SEEDS, Script, body_of, case_of
@@ -127,6 +128,30 @@ def test_after_an_end_comes_the_next_slope_or_the_other_way() -> None:
         assert way_from([9.0, 0.0], u, 1.0, RUBS) == then
     assert way_from([9.0, 1e-300], 0.0, 1.0, RUBS) == 1
     assert way_from([9.0, -1e-300], 0.0, 1.0, RUBS) == -1
+
+
+def test_what_friction_just_holds_or_just_lets_go_moves_on() -> None:
+    """Torques that balance friction to the last bit: one sum of them decides, and the motion ends in few steps."""
+    body = body_of("rubs")
+    held = 0
+    for seed in range(60):
+        random = Random(seed)
+        z = [random.uniform(-3.0, 3.0) * body.cogs[LENGTH], 0.0]
+        slope = slope_at(z[0], body.cogs)
+        u = random.choice((-1.0, 1.0)) * body.friction - cog_acceleration(z, 0.0, slope, body)
+        mode, left, ends, pad = way_from(z, u, slope, body), 1.0, 0, [0.0] * 4
+        held += mode == 0
+        assert mode in (0, 1 if u + cog_acceleration(z, 0.0, slope, body) > 0.0 else -1)
+        while True:
+            t, end = roll(z, u, slope, mode, left, mode != 0, body, pad)
+            left -= t
+            if end == 0:
+                break
+            slope, mode = pass_on(z, u, slope, mode, end, body)
+            ends += 1
+            assert ends < 10
+        assert left == 0.0
+    assert 0 < held < 60
 
 
 @pytest.mark.parametrize("body", [PLAIN, RUBS])
