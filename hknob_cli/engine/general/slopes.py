@@ -6,6 +6,7 @@ As in `slide_many` a step is halved until it can be shown what becomes of the mo
 from hknob_cli.engine.general.body import (
     CONSTANT,
     ENTRY,
+    HALVES,
     HALVES_HELD,
     HALVINGS,
     RATES,
@@ -23,6 +24,7 @@ from hknob_cli.engine.general.cogging import (
     STABLE,
     TURNED,
     UNSTABLE,
+    cog_number,
     corner_passed,
     corner_told,
     far_apart,
@@ -40,9 +42,17 @@ from hknob_cli.engine.general.slide_many import (
     held_bound,
     held_slope,
     keeps_sign,
+    outlook,
     stretch,
 )
 from hknob_cli.engine.loop import floor
+
+NARROWEST = 16  # halvings of a sample period to which it is looked whether a motion stays over a bound
+
+
+def stiff_of(body):
+    """Bound on the acceleration of the knob by springs, dampers and a torque that lags, by `cogging.size_at`."""
+    return stiffness(body) + cog_number(body.cogs, ROOT) + body.lag
 
 
 def cog_acceleration(z, u, slope, body):
@@ -81,6 +91,59 @@ def way_from_rest(z, at, u, slope, body):
         if speed_rate(z, at, u, slope, mode, body) * mode > 0.0:
             return mode
     return 0
+
+
+def halves_on(slope, mode, body):
+    """Where the matrices begin that move a state in a mode on a slope."""
+    if mode == 0:
+        return HALVES_HELD
+    if body.cogs is None or not len(body.cogs):
+        return HALVES
+    return COGGED_HALVES if is_stable(slope) else COGGED_HALVES + HALVINGS
+
+
+def outlook_on(cogs, z, u, slope, mode, body, pad):
+    """As `slide_many.outlook`, on a slope: ``(value, fall, bound)``; `least_share` tells how the bound grows there."""
+    if cogs is None or not len(cogs):
+        value, _, fall, bound = outlook(z, u, mode, body, pad)
+        return value, fall, bound
+    cog_rate(z, u, slope, mode, body, pad)
+    if mode == 0:
+        value = body.friction - abs(cog_acceleration(z, u, slope, body))
+        return value, -abs(held_slope(pad, body)), held_bound(pad, body)
+    size = norm_at(pad, 0, body) + cogs[ROOT] * abs(pad[0])
+    return z[1] * mode, min(pad[1] * mode, 0.0), size * stiff_of(body)
+
+
+def stays_over(z, u, slope, mode, span, need, body, pad):
+    """Whether a speed, sliding from ``z`` on, stays over ``need``; held, what friction can hold beside the torque.
+
+    By halving, as `slide_many`; ``z`` is moved along. Without cogging any slope will do.
+    """
+    half, left = 0, floor(span * FINEST) / FINEST
+    table = halves_on(slope, mode, body)
+    while left > 0.0:
+        h = 0.5**half
+        while h > left:
+            half += 1
+            h *= 0.5
+        value, fall, bound = outlook_on(body.cogs, z, u, slope, mode, body, pad)
+        value -= need
+        deepest, told = max(half, NARROWEST), False
+        while not told:
+            share = least_share(body.cogs, slope, h) if mode != 0 else 1.0
+            told = share > 0.0 and keeps_sign(value, fall, bound / share, h)
+            if not told:
+                half += 1
+                h *= 0.5
+                if not value > 0.0 or half > deepest:
+                    return False
+        stretch(z, pad, table + half, body)
+        accept(z, pad, body.order)
+        left -= h
+        if half > 0:
+            half -= 1
+    return True
 
 
 def held_told(z, u, pad, slope, h, body):

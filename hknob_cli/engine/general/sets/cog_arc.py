@@ -29,7 +29,7 @@ from hknob_cli.engine.general.cogging import (
 )
 from hknob_cli.engine.general.columns import Columns, turn_round
 from hknob_cli.engine.general.corners import growth_rate
-from hknob_cli.engine.general.sets.cog_stop import Spread, slides_on, stiff_of, stop_on_slope
+from hknob_cli.engine.general.sets.cog_stop import Spread, slides_on, stop_on_slope
 from hknob_cli.engine.general.sets.friction_arc import (
     BALL,
     BESIDE,
@@ -47,7 +47,16 @@ from hknob_cli.engine.general.sets.friction_arc import (
     rub_arc,
 )
 from hknob_cli.engine.general.slope_columns import spread_cogs
-from hknob_cli.engine.general.slopes import cog_acceleration, cog_many, cog_rate, pass_on, roll, roll_in_steps, way_from
+from hknob_cli.engine.general.slopes import (
+    cog_acceleration,
+    cog_many,
+    cog_rate,
+    pass_on,
+    roll,
+    roll_in_steps,
+    stiff_of,
+    way_from,
+)
 
 ROUNDED = 1.0 + 1e-12  # what computing a growth rounds
 

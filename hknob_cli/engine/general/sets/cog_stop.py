@@ -6,21 +6,13 @@ of the centre's stop in which none can go on. What derivatives at a stop leave o
 corner is near: of angle and speed alone. Without friction a stop is a turning point, of any number of states.
 """
 
-from math import floor
 from typing import NamedTuple
 
-from hknob_cli.engine.general.body import HALVINGS, copy_to, norm_at, stiffness
-from hknob_cli.engine.general.cogging import (
-    COGGED_HALVES,
-    ROOT,
-    is_stable,
-    least_share,
-    room_on,
-)
-from hknob_cli.engine.general.sets.friction_arc import FINEST, WHOLE, stop_bound
-from hknob_cli.engine.general.slide_many import accept, keeps_sign, stretch
+from hknob_cli.engine.general.body import copy_to
+from hknob_cli.engine.general.cogging import room_on
+from hknob_cli.engine.general.sets.friction_arc import stop_bound
 from hknob_cli.engine.general.slide_two import way
-from hknob_cli.engine.general.slopes import cog_acceleration, cog_rate, roll
+from hknob_cli.engine.general.slopes import cog_acceleration, roll, stays_over, stiff_of
 
 
 class Spread(NamedTuple):
@@ -32,43 +24,6 @@ class Spread(NamedTuple):
     apart: float
     far: float
     fast: float
-
-
-def stiff_of(body):
-    """Bound on the acceleration of the knob by springs, dampers and a torque that lags, by `cogging.size_at`."""
-    return stiffness(body) + body.cogs[ROOT] + body.lag
-
-
-def stays_fast(z, u, slope, mode, span, need, body, pad):
-    """Whether a speed stays over ``need`` in a slide over ``span`` on one slope; ``z`` is moved along.
-
-    As `friction_arc.stays_over`.
-    """
-    half, left, root = 0, floor(span * WHOLE) / WHOLE, body.cogs[ROOT]
-    table = COGGED_HALVES if is_stable(slope) else COGGED_HALVES + HALVINGS
-    while left > 0.0:
-        h = 0.5**half
-        while h > left:
-            half += 1
-            h *= 0.5
-        cog_rate(z, u, slope, mode, body, pad)
-        size, value = norm_at(pad, 0, body) + root * abs(pad[0]), z[1] * mode - need
-        deepest, told = max(half, FINEST), False
-        while not told:
-            share = least_share(body.cogs, slope, h)
-            if share > 0.0:
-                told = keeps_sign(value, pad[1] * mode, size / share * stiff_of(body), h)
-            if not told:
-                half += 1
-                h *= 0.5
-                if not value > 0.0 or half > deepest:
-                    return False
-        stretch(z, pad, table + half, body)
-        accept(z, pad, body.order)
-        left -= h
-        if half > 0:
-            half -= 1
-    return True
 
 
 def stop_on_slope(room, z, u, slope, mode, spread, body):
@@ -123,4 +78,4 @@ def slides_on(room, u, slope, mode, span, times, spread, body):
     copy_to(room.begun, room.first)
     if wait > 0.0:
         roll(room.begun, u, slope, mode, wait, True, body, room.pad)
-    return stays_fast(room.begun, u, slope, mode, left, spread.apart, body, room.pad)
+    return stays_over(room.begun, u, slope, mode, left, spread.apart, body, room.pad)

@@ -14,8 +14,6 @@ from math import floor, sqrt
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.advance import next_mode, rub_on
 from hknob_cli.engine.general.body import (
-    HALVES,
-    HALVES_HELD,
     HALVINGS,
     HELD,
     RATES,
@@ -29,15 +27,13 @@ from hknob_cli.engine.general.body import (
 from hknob_cli.engine.general.cogging import ROOT, cog_number, reach_of, size_at
 from hknob_cli.engine.general.columns import Columns, spread_many, turn_round
 from hknob_cli.engine.general.slide_many import (
-    accept,
     held_bound,
     held_slope,
-    outlook,
     slide_many,
     sliding_bound,
-    stretch,
 )
 from hknob_cli.engine.general.slide_two import way
+from hknob_cli.engine.general.slopes import stays_over
 
 # Numbers of an arc: its phases, and those of them that it counts, for arcs overlap; bound on the roundings of its
 # centre; radius of the ball beside its line when its columns were begun, and how far states may be beside that; what
@@ -46,7 +42,6 @@ from hknob_cli.engine.general.slide_two import way
 # its centre, its columns, of which the first is the line, its memory, and the readings of the interval.
 LOW, HIGH, FROM, TO, ERROR, BALL, BESIDE, BEFORE, LEVEL, SAMPLE, TOLD, STANDS, COUNT, COUNT_TO, STATE = range(15)
 STEPS = 128.0  # in which columns are moved over the two parts of a hold, at most
-FINEST = 16  # halvings of a sample period to which it is looked whether a motion stays over a bound
 WHOLE = 2.0 ** (HALVINGS - 1)  # times that a sample period is told apart
 WIDE = 0.5  # part of a ball beside its columns above which they are begun anew
 
@@ -83,34 +78,6 @@ def begin_ball(room, radius, body):
         room.columns[body.order + j] = radius * room.unit[j]
 
 
-def stays_over(z, u, mode, span, need, body, pad):
-    """Whether a speed, sliding from ``z`` on, stays over ``need``, or what friction can hold beside a torque.
-
-    By halving, as `slide_many`; ``z`` is moved along.
-    """
-    half, left = 0, floor(span * WHOLE) / WHOLE
-    table = HALVES_HELD if mode == 0 else HALVES
-    while left > 0.0:
-        h = 0.5**half
-        while h > left:
-            half += 1
-            h *= 0.5
-        value, _, fall, bound = outlook(z, u, mode, body, pad)
-        value -= need
-        deepest = max(half, FINEST)
-        while not value + fall * h - 0.5 * bound * h * h > 0.0:
-            half += 1
-            h *= 0.5
-            if not value > 0.0 or half > deepest:
-                return False
-        stretch(z, pad, table + half, body)
-        accept(z, pad, body.order)
-        left -= h
-        if half > 0:
-            half -= 1
-    return True
-
-
 def all_slide(room, z, u, mode, span, ball, body):
     """Whether all states of an arc slide in ``mode`` over ``span``, whose centre is ``z`` and whose line `room.line`.
 
@@ -121,7 +88,7 @@ def all_slide(room, z, u, mode, span, ball, body):
     for sign in (-1.0, 1.0):
         for j in range(body.order):
             room.begun[j] = z[j] + sign * room.line[j]
-        if not stays_over(room.begun, u, mode, span, ball, body, room.pad):
+        if not stays_over(room.begun, u, 0.0, mode, span, ball, body, room.pad):
             return False
     return True
 
@@ -187,7 +154,7 @@ def stop_alike(room, z, u, span, before, mode, apart, body):
         spread_many(Columns(room.line, n, 1, n), near, then, body, pad)
         alike = all_slide(room, room.first, u, then, t - near, ball + more, body)
     elif alike:
-        alike = stays_over(room.first, u, then, left, need, body, pad)
+        alike = stays_over(room.first, u, 0.0, then, left, need, body, pad)
     if alike:
         room.arc[STANDS] = 1.0 if then == 0 else 0.0
         room.arc[BESIDE] += more
@@ -226,9 +193,9 @@ def rub_arc(room, z, u, span, drift, body):
     elif not ended:
         spread_many(columns, t, mode, body, pad)
         if mode == 0:
-            alike = stands and stays_over(room.first, u, mode, span, own * apart, body, pad)
+            alike = stands and stays_over(room.first, u, 0.0, mode, span, own * apart, body, pad)
             arc[STANDS] = 1.0 if alike else 0.0
-            if not stands and stays_over(room.first, u, mode, span, own * apart + apart / span, body, pad):
+            if not stands and stays_over(room.first, u, 0.0, mode, span, own * apart + apart / span, body, pad):
                 arc[STANDS] = 1.0
         elif begin == 0.0:
             alike = stands and abs(pull) - body.friction - own * apart > steep * span

@@ -26,11 +26,10 @@ from hknob_cli.engine.general.sets.friction_arc import (
     WHOLE,
     apart_of,
     beside_of,
-    stays_over,
 )
 from hknob_cli.engine.general.slide_many import slide_many
 from hknob_cli.engine.general.slide_two import way
-from hknob_cli.engine.general.slopes import cog_rate, roll, way_from
+from hknob_cli.engine.general.slopes import cog_rate, roll, stays_over, way_from
 
 ROUNDED = 1.0 + 1e-9  # times how far states are from a line: what moving it over a hold rounds
 PARTS_TRIED = 3  # of a slide, of which all but the last 1/64, 1/16 or 1/4 is shown to be fast
@@ -72,7 +71,7 @@ def is_fast(room, z, u, mode, span, apart, body):
     if not span > 0.0:
         return True
     copy_to(room.begun, z)
-    return stays_over(room.begun, u, mode, span, apart, body, room.pad)
+    return stays_over(room.begun, u, 0.0, mode, span, apart, body, room.pad)
 
 
 def window_of(room, u, mode, slide, apart, body):
