@@ -255,7 +255,7 @@ _KEYS = {name: part.path for name, part in PARTS.items()}
 _REFUSED = {column: frozenset(part for part in PARTS if VERDICTS[part, column] == REFUSED) for column in COLUMNS}
 _PAIRS = {
     column: [
-        (frozenset({one, other, *lower.beside}), lower.unless)
+        (frozenset({one, other}), lower.unless)
         for (one, other, at), lower in EXCEPTIONS.items()
         if (at, lower.verdict) == (column, REFUSED)
     ]
@@ -302,7 +302,7 @@ def verdict_of(parts: Iterable[str], column: str) -> tuple[str, str]:
     found += [
         (lower.verdict, f"{PARTS[one].title} with {PARTS[other].title}")
         for (one, other, where), lower in EXCEPTIONS.items()
-        if where == column and {one, other, *lower.beside} <= there and there.isdisjoint(lower.unless)
+        if where == column and {one, other} <= there and there.isdisjoint(lower.unless)
     ]
     return min(found, key=lambda one: LOWEST_FIRST.index(one[0]), default=(PROVEN, ""))
 

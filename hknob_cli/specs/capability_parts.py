@@ -90,13 +90,12 @@ LOWEST_FIRST = REFUSED + ESTIMATED + EXACT + PROVEN
 class Lower(NamedTuple):
     """The verdict of a pair of parts in a column, and why.
 
-    ``unless`` a scene has one of these parts, too; and only ``beside`` all of these.
+    ``unless`` a scene has one of these parts, too.
     """
 
     verdict: str
     why: str
     unless: tuple[str, ...] = ()
-    beside: tuple[str, ...] = ()
 
 
 # Pairs of parts whose verdict in a column is lower than that of each of them.
@@ -119,19 +118,6 @@ EXCEPTIONS = {
     },
     ("cogging", "bare", "general"): Lower(EXACT, "a cycle that passes a corner is proven by counts"),
     ("cogging", "speed_sensor", "laws"): Lower(EXACT, "the torque follows a motion that is not affine"),
-    **{
-        (part, "cogging", column): Lower(
-            EXACT, "friction lets two motions over corners go at other times there", beside=("friction",)
-        )
-        for part in ("finger", "lag", "coil", "current_loop", "mesh")
-        for column in ("general", "laws")
-    },
-    **{
-        (part, "cogging", "friction_arcs"): Lower(
-            REFUSED, "friction lets two motions over corners go at other times there", beside=("friction",)
-        )
-        for part in ("finger", "lag", "coil", "current_loop", "mesh")
-    },
     ("friction", "bare", "general"): Lower(EXACT, "the period map is not shown to contract"),
     ("friction", "speed_sensor", "laws"): Lower(EXACT, "the torque follows the motion, which is not affine"),
     **{

@@ -141,7 +141,7 @@ def _lines() -> Iterator[str]:
     yield from _table([COLUMNS[one].title for one in ENGINES], lambda part: [VERDICTS[part, one] for one in ENGINES])
     yield "\nTwo parts together can be less than each of them:\n"
     for (one, other, column), lower in EXCEPTIONS.items():
-        what = " with ".join(PARTS[each].title for each in (one, other, *lower.beside))
+        what = " with ".join(PARTS[each].title for each in (one, other))
         unless = f", unless there is {' or '.join(PARTS[each].title for each in lower.unless)}" if lower.unless else ""
         yield f"- {what}, {COLUMNS[column].title}: {WORDS[lower.verdict]}{unless}, because {lower.why}."
     yield "\n## Why parts are refused\n"

@@ -151,6 +151,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/slopes.py": (*SLOPES, *COGGING_MARGINS),
     "general/slope_columns.py": (f"{GENERAL}test_slope_columns.py", *ABSENT),
     "general/corners.py": (f"{PROOF}test_corner_margins.py",),
+    "general/piece_marks.py": (f"{GENERAL}test_piece_marks.py", f"{PROOF}test_corner_margins.py"),
     "general/cog_rest.py": COG_REST,
     "general/laws/period.py": (f"{PROOF}test_law_period_margins.py", *FLANKS),
     "general/laws/parting.py": (f"{GENERAL}test_parting.py",),

@@ -23,11 +23,10 @@ def test_a_pair_is_less_than_each_of_its_parts() -> None:
     """And of parts and columns that there are."""
     for (one, other, column), lower in EXCEPTIONS.items():
         assert column in COLUMNS
-        assert {one, other, *lower.unless, *lower.beside} <= set(PARTS)
+        assert {one, other, *lower.unless} <= set(PARTS)
         for part in (one, other):
             assert LOWEST_FIRST.index(lower.verdict) < LOWEST_FIRST.index(VERDICTS[part, column])
-        assert verdict_of({one, other, *lower.beside}, column)[0] == lower.verdict
-        assert not lower.beside or verdict_of({one, other}, column)[0] != lower.verdict
+        assert verdict_of({one, other}, column)[0] == lower.verdict
 
 
 @pytest.mark.parametrize("engines", [PHASES, RANGES])

@@ -276,24 +276,6 @@ def test_a_controller_of_which_a_part_hinders_is_not_named_twice() -> None:
     assert said == "a controller that reads a velocity sensor and cogging torque"
 
 
-@pytest.mark.parametrize(
-    ("parts", "said"),
-    [
-        ({"cogging", "lag", "friction"}, "Coulomb friction, actuator lag and cogging torque"),
-        (
-            {"cogging", "coil", "friction", "controller"},
-            "a controller beside Coulomb friction, a winding with inductance and cogging torque",
-        ),
-        (
-            {"cogging", "finger", "friction"},
-            "Coulomb friction, a finger apart from the knob and cogging torque",
-        ),
-    ],
-)
-def test_parts_that_hinder_together_are_named_together(parts: set[str], said: str) -> None:
-    assert _hindrance(frozenset(parts), "one") == said
-
-
 def test_each_of_two_parts_that_hinder_one_engine_is_named() -> None:
     said = _hindrance(frozenset({"controller", "friction", "finger"}), "ranges")
     assert said == "a controller beside Coulomb friction and a finger apart from the knob"

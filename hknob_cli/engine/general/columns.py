@@ -21,7 +21,10 @@ SWOLLEN = 9
 # And with friction, of turns: the sum of 1 / deceleration, the least of it, and of it times what is left of a hold in
 # which friction holds the knob from there on. Of a hold that begins with a speed of 0 the latter is of the level.
 TURNING, LEAST_TURN, STUCK_FOR = range(10, 13)
-MARKS = 13
+# And with more states, of releases within a hold: the sum of 1 / rate of the torque, the least of that, and of it times
+# the shorter of the pieces beside it. `LEVEL` and `SPEED` are then of all times but those near ends of pieces.
+RELEASING, LEAST_RELEASE, RELEASED_FOR = range(13, 16)
+MARKS = 16
 
 
 class Columns(NamedTuple):
@@ -41,7 +44,7 @@ def begin_marks(marks):
     """Set the marks to what they are before a period."""
     for i in range(MARKS):
         marks[i] = float("inf")
-    for sum_or_most in (SLOWNESS, FASTEST, LOOSE, SWOLLEN, TURNING):
+    for sum_or_most in (SLOWNESS, FASTEST, LOOSE, SWOLLEN, TURNING, RELEASING):
         marks[sum_or_most] = 0.0
 
 

@@ -35,8 +35,14 @@ than those differences.
 It turns nowhere else. Between two corners, under one torque, the speed v and a difference y of speeds obey the same
 equation of second order, so that y / v is monotone as long as v is not 0: it is largest at an end. There it is less
 than 1, at the end of a hold by the speed, and after a start from 0 by the level of friction. At a corner ``bend`` q <=
-1/2 has it below 0.19 where a slope does not hold; and where all hold, a speed has no least value in between. Beside a
-lag none of this is so, and a finger or a winding lets two motions go at other times: no cycle is proven there.
+1/2 has it below 0.19 where a slope does not hold; and where all hold, a speed has no least value in between.
+
+With more states none of this is so: the least speed of a slide, and the least that friction can hold beside a torque,
+are looked for (`piece_marks`), and q is less. A knob may then be let go within a hold, where the torque grows at a rate
+p. Let ``steep`` bound the rates of differences in any mode. Torques differ by ``steep`` q, so that other motions are
+let go within 2 steep q / p of it. In that time rates of the two differ by at most twice ``steep`` times a difference,
+which adds to ``bend``; the derivative goes through a release as it is. Neither is held again, or turns, as long as the
+torque grows at half of p at least, and the speed is above q from there on.
 
 Where the orbit begins with a speed of 0, another motion begins with one of at most q. It stops within q / level, and
 moves by at most a quarter of its size until then; from there on it is one that began at rest.
@@ -44,22 +50,18 @@ moves by at most a quarter of its size until then; from there on it is one that 
 
 from math import exp, inf, sqrt
 
-from hknob_cli.engine.general.body import coil_at, norm, stiffness, turn_finger
-from hknob_cli.engine.general.cogging import LENGTH, ROOT, SLOPE, has_cogs, unit_reach
+from hknob_cli.engine.general.body import HELD, coil_at, norm, turn_finger
+from hknob_cli.engine.general.cogging import COGGED, LENGTH, ROOT, SLOPE, has_cogs, unit_reach
 from hknob_cli.engine.general.columns import (
     FASTEST,
-    LEAST_TURN,
-    LEVEL,
     LOOSE,
     SLOWEST,
     SLOWNESS,
-    SPEED,
-    STUCK_FOR,
     SWOLLEN,
     TURN_ROOM,
-    TURNING,
     begin_columns,
 )
+from hknob_cli.engine.general.piece_marks import WITHIN, turn_alike
 from hknob_cli.engine.general.powers import GONE, TAIL, growth_bound, unit
 
 WINDOW = 0.375  # of v^2 / a: the way beside a corner on which the speed is at least half of that at it
@@ -69,17 +71,14 @@ MOST_GROWTH = 100.0  # exponent of a growth beyond which a room would be less th
 MOST_PARTS = 64  # of a period, whose derivatives are kept
 FROM_STANDSTILL = 0.8  # of a size, where the orbit begins with a speed of 0 and another motion has yet to stop
 NEAREST = 1e-13  # of an orbit's size: a trial so near to it is as near as it may come
-WITHIN = 0.9  # of what there is room for
 
 
 def goes_over(body):
     """Whether a body is of the kind whose cycles over corners are proven.
 
-    Teeth with play take energy out of a difference only on one flank; with friction it must be of angle and speed.
+    Teeth with play take energy out of a difference only on one flank.
     """
-    if not has_cogs(body.cogs) or body.play > 0.0:
-        return False
-    return body.friction == 0.0 or body.order == 2
+    return has_cogs(body.cogs) and body.play == 0.0
 
 
 def growth_rate(body):
@@ -110,6 +109,21 @@ def largest_entries(body, out):
         out[coil_at(body)] = 1.0 / sqrt(body.coil)
     if body.lag > 0.0:
         out[body.order - 1] = body.lag
+
+
+def rate_bound(body, pad):
+    """Bound on the size of the rate of a difference of size 1, in any mode, on any slope. Overwrites ``pad``."""
+    n, most = body.order, 0.0
+    for which in (HELD, COGGED, COGGED + 1):
+        largest_entries(body, pad)
+        for i in range(n):
+            pad[n + i] = 0.0
+            for j in range(n):
+                pad[n + i] += abs(body.matrices[which * n * n + i * n + j]) * pad[j]
+        for i in range(n):
+            pad[i] = pad[n + i]
+        most = max(most, size_of(pad, body))
+    return most
 
 
 def samples_of_part(period):
@@ -239,22 +253,6 @@ def pass_corners(far, body, marks):
     return far, 2.0 * slope * PASSING * slowness * reach * reach
 
 
-def turn_alike(pace, late, body, marks):
-    """As `pass_corners`, in the speed, where friction turns a motion round, holds it, or lets it go.
-
-    ``late``: of torques that are still under way, and differ in sum by no more than speeds may, 1; else 0.
-    """
-    pace = min(pace, WITHIN * marks[SPEED], WITHIN * 0.25 * marks[STUCK_FOR])
-    stiff = 2.0 / unit_reach(body) + body.alpha + late
-    if marks[TURNING] == 0.0:
-        return min(pace, 0.5 * marks[LEVEL] / stiff), 0.0
-    least = marks[LEAST_TURN]  # above 0, as the level there is at least half of it
-    bend = marks[FASTEST] * (stiffness(body) + body.cogs[ROOT])
-    pull = stiff + 4.0 * bend / least  # by which torques differ at a turn, times the difference of speeds
-    pace = min(pace, 0.5 * min(marks[LEVEL], least) / pull)
-    return pace, 16.0 * marks[TURNING] * (stiff + bend / least)
-
-
 def room_over_corners(fast, slow, margin, late, period, body, space, scale):
     """How near to an orbit over corners a motion must be to come to it: ``(room, bound, grown)``.
 
@@ -280,7 +278,8 @@ def room_over_corners(fast, slow, margin, late, period, body, space, scale):
     far, bend = pass_corners(WITHIN * min(margin, marks[TURN_ROOM], 0.25 * body.cogs[LENGTH]), body, marks)
     pace = far / reach
     if body.friction > 0.0:
-        pace, turning = turn_alike(pace, late, body, marks)
+        steep = rate_bound(body, space.pad) if body.order > 2 else 0.0
+        pace, turning = turn_alike(pace, steep, late, body, marks)
         bend += turning
     between, to_end = carried_between(period, body, space, m)
     most = grown  # by what a difference may grow up to any time of a period

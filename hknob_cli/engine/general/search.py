@@ -74,7 +74,7 @@ def make_space(order: int, delay: int, zeros: Callable[[int], Any]) -> Space:
     width = order + delay + 1
     return Space(
         width=width,
-        pad=zeros(2 * order),
+        pad=zeros(4 * order),
         cols=zeros(width * (width + 2)),
         marks=zeros(MARKS),
         chain=zeros((MOST_PARTS + 2) * order * order),

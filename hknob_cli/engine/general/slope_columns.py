@@ -3,7 +3,7 @@
 The torque has no jump at a corner, so that a difference of two motions goes through it as it is.
 """
 
-from math import exp
+from math import exp, inf
 
 from hknob_cli.engine.general.body import HALVES_HELD, HALVINGS, HELD, norm_at
 from hknob_cli.engine.general.cogging import (
@@ -31,6 +31,8 @@ from hknob_cli.engine.general.columns import (
     spread_by,
     turn_round,
 )
+from hknob_cli.engine.general.corners import rate_bound
+from hknob_cli.engine.general.piece_marks import FIRST, Piece, keep, mark_piece
 from hknob_cli.engine.general.slopes import cog_acceleration, cog_rate, pass_on, roll, settled, way_from
 
 
@@ -64,10 +66,11 @@ def begin_hold(z, u, slope, span, body, pad, marks):
 
 
 def mark_start(z, u, slope, span, mode, body, pad, marks):
-    """Mark a bound on accelerations of a piece within ``span`` on a slope, in a mode in which the knob moves."""
+    """Mark a bound on the size of the rates, and so on accelerations, within ``span``; return it."""
     cog_rate(z, u, slope, mode, body, pad)
-    size = norm_at(pad, 0, body) + body.cogs[ROOT] * abs(pad[0])
-    marks[FASTEST] = max(marks[FASTEST], size * exp(body.cogs[ROOT] * span))
+    size = (norm_at(pad, 0, body) + body.cogs[ROOT] * abs(pad[0])) * exp(body.cogs[ROOT] * span)
+    marks[FASTEST] = max(marks[FASTEST], size)
+    return size
 
 
 def mark_end(z, slope, end, span, cogs, marks):
@@ -102,25 +105,33 @@ def cog_columns(cogs, z, u, span, body, pad, columns, marks):
     left = span
     slope = slope_at(z[0], cogs)
     rubs = body.friction > 0.0
+    more = rubs and body.order > 2
+    steep = rate_bound(body, pad) if more else 0.0
     mode = begin_hold(z, u, slope, span, body, pad, marks)
     fresh = mode != 0 and z[1] == 0.0
+    slowed, let_go = inf, 0.0
     while left > 0.0:
-        if mode != 0:
-            mark_start(z, u, slope, left, mode, body, pad, marks)
+        fast = 0.0
+        if mode != 0 or more:
+            fast = mark_start(z, u, slope, left, mode, body, pad, marks)
+        if more:
+            keep(z, FIRST, pad)
         t, end = roll(z, u, slope, mode, left, fresh, body, pad)
         spread_cogs(columns, t, slope, mode, body, pad)
         left -= t
         mark_end(z, slope, end, t, cogs, marks)
+        if more:
+            piece = Piece(slope, mode, t, end, left, fast, steep, slowed, let_go)
+            let_go = mark_piece(z, u, piece, body, pad, marks)
         if end == 0:
             break
         before = mode
         slope, mode = pass_on(z, u, slope, mode, end, body)
-        fresh = True
-        if rubs and end == TURNED and before == 0:
-            marks[TURN_ROOM] = -1.0  # two motions are let go at other times
+        fresh, slowed = True, inf
         if rubs and end == TURNED and before != 0:
             pull = cog_acceleration(z, u, slope, body)
             rate = pull - before * body.friction
+            slowed = abs(rate)
             mark_turn(pull, rate, mode, left, body, marks)
             after = 0.0 if mode == 0 else pull - mode * body.friction
             if rate != 0.0:

@@ -252,7 +252,7 @@ class Case:
         self.events = self.known.move(self.steps)
         self.end = self.known.state
         self.size = 1.0 + float(np.abs(self.end).max())
-        self.pad = [0.0] * (2 * self.body.order)
+        self.pad = [0.0] * (4 * self.body.order)
 
     def begin(self) -> Cogged:
         return Cogged(self.body, self.z, self.u, ways=self.ways)

@@ -24,10 +24,13 @@ from hknob_cli.engine.general.cogging import (
 from hknob_cli.engine.general.columns import (
     CORNER_ROOM,
     FASTEST,
+    LEAST_RELEASE,
     LEAST_TURN,
     LEVEL,
     LOOSE,
     PRESSED,
+    RELEASED_FOR,
+    RELEASING,
     SLOWEST,
     SLOWNESS,
     SPEED,
@@ -115,9 +118,13 @@ class Marked:
         self.speeds, self.turns = list[float](), list[float]()
         self.stuck = [level * case.span for level in self.levels]
         self.largest, self.top = 0.0, 0.0  # acceleration of the knob; root of the energy of rates at a piece's start
+        self.more = self.rubs and case.body.order > 2
+        self.held, self.slow = list[tuple[float, float]](), list[tuple[float, float]]()
+        self.released, self.between = list[float](), list[float]()
+        self.slowed, self.let_go = inf, 0.0
         self.way, self.time = self.known.mode, 0.0
         for one in case.events:
-            self.pass_piece(one.time - self.time)
+            self.pass_piece(one.time - self.time, one.end, case.span - one.time)
             self.known.z[:-2], self.known.slope = one.state, one.slope
             if one.end == TURNED:
                 self.turn(one.mode, case.span - one.time)
@@ -125,13 +132,15 @@ class Marked:
                 self.room = -1.0
                 self.speeds.append(abs(float(one.state[1])))
             self.way, self.known.mode, self.time = one.mode, one.mode, one.time
-        self.pass_piece(case.span - self.time)
+        self.pass_piece(case.span - self.time, 0, 0.0)
         self.room = min(self.room, case.known.room())
 
-    def pass_piece(self, span: float) -> None:
+    def pass_piece(self, span: float, end: int, left: float) -> None:
         known, body = self.known, self.case.body
         self.loose += span if known.slope % 2.0 == 1.0 else 0.0
-        if self.way == 0:
+        if self.more:
+            self.follow_piece(span, end, left)
+        if self.way == 0 and not self.more:
             return
         a = known.rates()
         rates = (a @ known.z)[:-2]
@@ -142,9 +151,34 @@ class Marked:
             self.largest = max(self.largest, abs(float((a @ z)[1])))
             z = step @ z
 
+    def follow_piece(self, span: float, end: int, left: float) -> None:
+        """Values on the way, each with what it may be below its mark for: time beside a stop, a start or a release."""
+        known, friction = self.known, self.case.body.friction
+        a, z, first = known.rates(), known.z, known.z
+        whole = expm(a * span) @ z
+        falls = [float(known.pull() @ (a @ whole)), abs(float((a @ whole)[1])), abs(float((a @ first)[1]))]
+        if self.way == 0:
+            self.stuck.append(0.5 * min(self.slowed, friction - abs(float(known.pull() @ z))) * span)
+            if end == TURNED:
+                self.released.append(abs(falls[0]))
+                self.between.append(abs(falls[0]) * min(span, left))
+        for k in range(33):
+            z, past = expm(a * (span * k / 32.0)) @ first, span * k / 32.0
+            if self.way == 0:
+                beside = 0.5 * abs(falls[0]) * (span - past) if end == TURNED else inf
+                self.held.append((friction - abs(float(known.pull() @ z)), beside))
+                continue
+            beside = 0.5 * falls[1] * (span - past) if end == TURNED else inf
+            if first[1] == 0.0:
+                beside = min(beside, 0.25 * self.let_go * past**2 if self.let_go else 0.5 * falls[2] * past)
+            self.slow.append((abs(float(z[1])), beside))
+        self.let_go = abs(falls[0]) if self.way == 0 else 0.0
+        self.slowed = falls[1] if end == TURNED and self.way != 0 else inf
+
     def turn(self, mode: int, left: float) -> None:
         if self.way == 0:
-            self.turn_room = -1.0
+            room = self.known.room()
+            self.room, self.turn_room = min(self.room, room), min(self.turn_room, room)
             return
         self.room = min(self.room, self.known.room())
         self.turn_room = min(self.turn_room, self.known.room())
@@ -179,14 +213,25 @@ def check_marks(case: Case, marks: list[float]) -> Marked:
     assert max(found.largest, found.top) <= marks[FASTEST] * (1.0 + 1e-7)
     assert marks[FASTEST] <= found.top * exp(case.body.cogs[ROOT] * case.span) * (1.0 + 1e-7)
     if found.rubs:
-        assert marks[LEVEL] == pytest.approx(min(found.levels, default=inf), **close)
-        assert marks[SPEED] == pytest.approx(abs(case.end[1]) if found.way != 0 else inf, **close)
+        last = abs(case.end[1]) if found.way != 0 else inf
+        if found.more:
+            assert 0.0 <= marks[LEVEL] <= min(found.levels, default=inf) * (1.0 + 1e-7) + off
+            assert 0.0 <= marks[SPEED] <= last * (1.0 + 1e-7) + off
+            assert all(value >= min(marks[LEVEL], beside) - off for value, beside in found.held)
+            assert all(value >= min(marks[SPEED], beside) - off for value, beside in found.slow)
+            assert marks[RELEASING] == near_sum(found.released, 10.0 * off)
+            assert marks[LEAST_RELEASE] == pytest.approx(min(found.released, default=inf), rel=1e-6, abs=10.0 * off)
+            assert marks[RELEASED_FOR] == pytest.approx(min(found.between, default=inf), rel=1e-6, abs=10.0 * off)
+        else:
+            assert marks[LEVEL] == pytest.approx(min(found.levels, default=inf), **close)
+            assert marks[SPEED] == pytest.approx(last, **close)
+            assert marks[RELEASING:] == [0.0, inf, inf]
         assert marks[TURNING] == near_sum(found.turns, 10.0 * off)
         assert marks[LEAST_TURN] == pytest.approx(min(found.turns, default=inf), rel=1e-6, abs=10.0 * off)
         assert marks[STUCK_FOR] == pytest.approx(min(found.stuck, default=inf), rel=1e-6, abs=10.0 * off)
     else:
         assert (marks[LEVEL], marks[SPEED]) == (inf, inf)
-        assert marks[TURNING:] == [0.0, inf, inf]
+        assert marks[TURNING:] == [0.0, inf, inf] * 2
     return found
 
 
@@ -399,7 +444,7 @@ def test_a_turn_is_marked_by_its_deceleration() -> None:
 
 
 def test_a_knob_that_stands_at_first_has_room_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One that moves needs it where it turns alone; one that friction lets go has none, and stays without."""
+    """One that moves needs it where it turns alone."""
     on, back = [(1.0, 0, 1.0, 1.0)], [(0.5, TURNED, 3.25, 0.0), (0.5, 0, 1.0, -1.0)]
     for body in (PLAIN, RUBS):
         assert columns(monkeypatch, [3.0, 0.0], 9.0, on, body)[1][TURN_ROOM] == 1.0
@@ -409,9 +454,6 @@ def test_a_knob_that_stands_at_first_has_room_there(monkeypatch: pytest.MonkeyPa
         assert columns(monkeypatch, [3.0, 1.0], 9.0, back, body)[1][TURN_ROOM] == 0.75
         assert columns(monkeypatch, [3.5, 0.0], 9.0, back, body)[1][TURN_ROOM] == 0.5
     assert columns(monkeypatch, [0.0, 0.0], 0.5, on)[1][TURN_ROOM] == 4.0  # held
-    assert columns(monkeypatch, [0.0, 0.0], 0.5, back)[1][TURN_ROOM] == -1.0
-    again = [(0.25, TURNED, 0.0, 0.0), (0.5, TURNED, 2.0, 0.0), (0.25, 0, 1.0, 0.0)]
-    assert columns(monkeypatch, [0.0, 0.0], 0.5, again)[1][TURN_ROOM] == -1.0
 
 
 def test_what_is_marked_along_a_hold(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -421,15 +463,15 @@ def test_what_is_marked_along_a_hold(monkeypatch: pytest.MonkeyPatch) -> None:
     sizes = [(sqrt(2.0) + 0.5) * exp(0.5), (sqrt(37.0) + 0.5) * exp(0.375), (5.0 + 0.75) * exp(0.25)]
     assert marks[FASTEST] == pytest.approx(max(sizes), rel=1e-14)
     assert (marks[LOOSE], marks[SLOWNESS], marks[SLOWEST], marks[TURN_ROOM]) == (1.0, 1.0, 1.0, 1.0)
-    assert marks[TURNING:] == [0.0, inf, inf]
+    assert marks[TURNING:] == [0.0, inf, inf] * 2
     # With friction: -3 and -8; at 5 it lacks 3.75 of 5.75 - 2.
     _, marks = columns(monkeypatch, [0.0, 1.0], 0.0, over)
     assert marks[FASTEST] == pytest.approx((sqrt(65.0) + 0.5) * exp(0.375), rel=1e-14)
-    assert marks[TURNING:] == [1.0 / 7.75, 7.75, inf]
+    assert marks[TURNING:] == [1.0 / 7.75, 7.75, inf, 0.0, inf, inf]
     assert (marks[LEVEL], marks[SPEED]) == (3.75, 0.5)
     # Held from 1 on under 1: it slowed by 2 + 1/4, and is held for the half that is left.
     _, marks = columns(monkeypatch, [0.0, 1.0], 1.0, [(0.5, TURNED, 1.0, 0.0), (0.5, 0, 1.0, 0.0)])
-    assert marks[TURNING:] == [1.0 / 2.25, 2.25, 1.125]
+    assert marks[TURNING:] == [1.0 / 2.25, 2.25, 1.125, 0.0, inf, inf]
     assert (marks[LEVEL], marks[SPEED]) == (1.75, inf)
     # One that is held has no accelerations.
     assert columns(monkeypatch, [0.0, 0.0], 1.0, [(1.0, 0, 0.0, 0.0)])[1][FASTEST] == 0.0

@@ -14,7 +14,17 @@ from scipy.linalg import eigh
 from hknob_cli.engine.general import columns, corners
 from hknob_cli.engine.general.body import Body, norm
 from hknob_cli.engine.general.cogging import SLOPE, energy_apart
-from hknob_cli.engine.general.columns import SPEED, STUCK_FOR, SWOLLEN, begin_columns
+from hknob_cli.engine.general.columns import (
+    LEAST_RELEASE,
+    LEVEL,
+    RELEASED_FOR,
+    RELEASING,
+    SPEED,
+    STUCK_FOR,
+    SWOLLEN,
+    TURNING,
+    begin_columns,
+)
 from hknob_cli.engine.general.corners import (
     carried_between,
     end_sample,
@@ -25,14 +35,15 @@ from hknob_cli.engine.general.corners import (
     missed_by,
     multiply,
     pass_corners,
+    rate_bound,
     room_over_corners,
     samples_of_part,
     size_by,
     size_of,
     swell_of,
-    turn_alike,
     unit_reach,
 )
+from hknob_cli.engine.general.piece_marks import let_go_alike, turn_alike
 from hknob_cli.engine.general.search import make_space
 from tests.engine.general.bodies import fresh_marks
 from tests.engine.general.cogs import SCENES, Cogged, body_of, by_hand
@@ -82,7 +93,7 @@ def test_which_bodies_may_go_over_corners() -> None:
         ({"ratio": 1.0, "coil": 1.0, "lag": 1.0}, True),
         ({"order": 4, "ratio": 1.0}, True),
         ({"friction": 1e-9}, True),
-        ({"friction": 1e-9, "order": 3}, False),
+        ({"friction": 1e-9, "order": 3}, True),
         ({"friction": 1e-9, "play": 1.0}, False),
     ):
         assert goes_over(PLAIN._replace(**changed)) is wanted
@@ -382,12 +393,12 @@ def test_what_friction_does_is_alike_while_torques_and_speeds_are() -> None:
         marks = marked(LEVEL=0.25, SPEED=9.0, LEAST_TURN=1e-9, STUCK_FOR=9.0, FASTEST=1e9)
         level = 0.5 * 0.25 / stiff
         for pace in (0.5 * level, 2.0 * level):
-            assert turn_alike(pace, late, body, marks) == (pytest.approx(min(pace, level), rel=1e-15), 0.0)
+            assert turn_alike(pace, 0.0, late, body, marks) == (pytest.approx(min(pace, level), rel=1e-15), 0.0)
         marks[SPEED] = 0.5 * level
-        assert turn_alike(9.0, late, body, marks) == (pytest.approx(0.45 * level, rel=1e-15), 0.0)
+        assert turn_alike(9.0, 0.0, late, body, marks) == (pytest.approx(0.45 * level, rel=1e-15), 0.0)
         marks[STUCK_FOR] = 0.5 * level
-        assert turn_alike(9.0, late, body, marks) == (pytest.approx(0.1125 * level, rel=1e-15), 0.0)
-    assert turn_alike(0.375, 0.0, RUBS, fresh_marks()) == (0.375, 0.0)
+        assert turn_alike(9.0, 0.0, late, body, marks) == (pytest.approx(0.1125 * level, rel=1e-15), 0.0)
+    assert turn_alike(0.375, 0.0, 0.0, RUBS, fresh_marks()) == (0.375, 0.0)
 
 
 @pytest.mark.parametrize("late", [0.0, 1.0])
@@ -408,8 +419,63 @@ def test_a_turn_is_alike_while_its_deceleration_is(late: float) -> None:
             marks = marked(**(easy | {"LEAST_TURN": least} | ({name: 0.0625} if name != "turn" else {})))
             wanted = min(limit, limits["turn"])
             for pace in (0.5 * wanted, 1e9):
-                found = turn_alike(pace, late, RUBS, marks)
+                found = turn_alike(pace, 0.0, late, RUBS, marks)
                 assert found == (pytest.approx(min(pace, wanted), rel=1e-14), pytest.approx(added, rel=1e-14))
+
+
+def test_rates_are_bounded_in_every_mode() -> None:
+    """Of random differences of any scene, by their sizes; and by no more than ten times the largest."""
+    numbers = np.random.default_rng(4)
+    for name in SCENES:
+        body = body_of(name)
+        n, largest, known = body.order, 0.0, Cogged(body_of(name), [0.0] * body_of(name).order, 0.0)
+        entries = [7.0] * n
+        largest_entries(body, entries)
+        bound = rate_bound(body, [0.0] * (2 * n))
+        for known.slope, known.mode in product((0.0, 1.0), (0, 1)):
+            rates = known.rates()[:n, :n]
+            for _ in range(300):
+                d = numbers.uniform(-1.0, 1.0, n) * entries
+                size, fast = (
+                    sqrt((norm(list(dz), body) - late(dz, body)) ** 2 + body.cogs[SLOPE] * dz[0] ** 2) + late(dz, body)
+                    for dz in (d, rates @ d)
+                )
+                assert fast <= bound * size * (1.0 + 1e-12)
+                largest = max(largest, fast / size)
+        assert bound <= 10.0 * largest
+
+
+def late(dz: Any, body: Body) -> float:
+    return abs(float(dz[-1])) / body.lag if body.lag > 0.0 else 0.0
+
+
+def test_what_is_let_go_within_a_hold_is_so_alike() -> None:
+    """Rates of up to 4 a size; torques that grow by 2, or by 2 for half of a hold, and bend by up to 16 · 8."""
+    quiet = marked(LEAST_RELEASE=1e-9, RELEASED_FOR=1e-9, FASTEST=8.0)
+    assert let_go_alike(0.375, 4.0, 0.0, quiet) == (0.375, 0.0)
+    for behind, pull in ((0.0, 4.0), (1.0, 5.0)):
+        for said, limit in (
+            ({"LEAST_RELEASE": 2.0, "FASTEST": 8.0}, 4.0 / (8.0 * pull * 16.0 * 8.0)),
+            ({"LEAST_RELEASE": 2.0, "FASTEST": 1e-3}, 0.03125),
+            ({"RELEASED_FOR": 0.125, "LEAST_RELEASE": 1e9, "FASTEST": 8.0}, 0.9 * 0.125 / (8.0 * pull)),
+        ):
+            marks = marked(**(said | {"RELEASING": 0.5}))
+            for pace in (0.5 * limit, 9.0):
+                found = let_go_alike(pace, 4.0, behind, marks)
+                assert found == (pytest.approx(min(pace, limit), rel=1e-14), 8.0 * 4.0 * pull * 0.5)
+
+
+def test_with_more_states_a_turn_is_alike_by_the_bound_on_all_rates() -> None:
+    body = LAGGED._replace(friction=1.0)
+    marks = marked(LEVEL=1e9, SPEED=1e9, STUCK_FOR=1e9, FASTEST=8.0, TURNING=0.75, LEAST_TURN=4.0)
+    marks[RELEASING], marks[RELEASED_FOR], marks[LEAST_RELEASE] = 0.5, 1e9, 1e9
+    stiff, bend = 4.0 * 3.0 + 1.0, 8.0 * 3.0
+    pace, added = turn_alike(1e9, 3.0, 1.0, body, marks)
+    assert pace == pytest.approx(2.0 / (stiff + bend), rel=1e-14)
+    assert added == pytest.approx(16.0 * 0.75 * (stiff + bend / 4.0) + 8.0 * 3.0 * 4.0 * 0.5, rel=1e-14)
+    marks[TURNING], marks[LEVEL] = 0.0, 0.25
+    pace, added = turn_alike(1e9, 3.0, 1.0, body, marks)
+    assert (pace, added) == (pytest.approx(0.125 / stiff, rel=1e-14), 8.0 * 3.0 * 4.0 * 0.5)
 
 
 # The room.
@@ -469,7 +535,7 @@ def test_the_room_is_asked_for_with_what_is_known(monkeypatch: pytest.MonkeyPatc
         assert "turn_alike" not in asked
     marks = {"LOOSE": 2.0, "SWOLLEN": 3.0}
     found, asked = room(monkeypatch, marks, RUBS)
-    assert asked["turn_alike"] == (1.0, 0.5, RUBS, marked(**marks))  # half a count is a size of 1
+    assert asked["turn_alike"] == (1.0, 0.0, 0.5, RUBS, marked(**marks))  # half a count is a size of 1
     assert asked["missed_by"][:4] == (0.125, 0.25, found[2], RUBS)
     assert asked["missed_by"][5] == 2
     assert asked["swell_of"][0] is RUBS

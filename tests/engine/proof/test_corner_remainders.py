@@ -17,7 +17,7 @@ from hknob_cli.engine.certificate import PROVEN
 from hknob_cli.engine.general import corners, orbit_proof
 from hknob_cli.engine.general.body import norm
 from hknob_cli.engine.general.cogging import SLOPE, far_around
-from hknob_cli.engine.general.columns import CORNER_ROOM, LOOSE, SLOWNESS, STUCK_FOR, SWOLLEN, TURNING
+from hknob_cli.engine.general.columns import CORNER_ROOM, LOOSE, RELEASING, SLOWNESS, STUCK_FOR, SWOLLEN, TURNING
 from hknob_cli.engine.general.controller import command, read_after
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.orbit_proof import certify
@@ -28,7 +28,7 @@ from hknob_cli.specs.scene import SceneSpec
 from tests.engine.general.cogs import COIL, LIGHT
 from tests.verification.general_scenes import TWO_PARTS, scene
 
-SETTLING = 300  # samples
+SETTLING = 1500  # samples
 TURNS = 20  # periods that a motion is followed for
 
 
@@ -51,6 +51,33 @@ CELLS: dict[str, tuple[dict[str, Any], float, int, tuple[float, float], int]] = 
     "sticks longer": (
         cogged(1.19e-4, 36, -0.0104, knob={"coulomb_torque": 2.451e-3}, actuator=TWO_LATE, bias={"torque": 0.004}),
         250.0, 1024, (-2.0, 0.5), 34,
+    ),
+    "friction, finger": (
+        cogged(9.48e-4, 84, 0.004, knob={"coulomb_torque": 2.25e-4}, hand=TWO_PARTS, actuator=TWO_LATE,
+               bias={"torque": 0.004}), 1000.0, 512, (-2.0, 0.5), 23,
+    ),
+    "friction, winding": (
+        cogged(2.52e-4, 132, -0.0042, knob={"coulomb_torque": 5.04e-5}, motor=COIL, bias={"torque": 5e-4}),
+        500.0, 256, (-2.0, 0.5), 8,
+    ),
+    "friction, finger, winding, lag": (
+        cogged(6.45e-4, 200, -0.0257, knob={"coulomb_torque": 1.63e-4}, hand=TWO_PARTS, motor=COIL, actuator=LAG,
+               bias={"torque": 0.002}), 500.0, 512, (-2.0, 0.5), 6,
+    ),
+    "sticks, winding": (
+        cogged(4.07e-4, 132, -0.0386, knob={"coulomb_torque": 9.08e-4}, motor=COIL, actuator={"delay_samples": 1.4},
+               bias={"torque": 0.002}), 250.0, 1024, (-2.0, 0.5), 9,
+    ),
+    "sticks, is let go, lag": (
+        cogged(1.44e-4, 84, 0.0449, knob={"coulomb_torque": 3.22e-3},
+               actuator={"time_constant": 1e-3, "delay_samples": 2.0}, bias={"torque": 0.004}),
+        250.0, 256, (-2.0, 0.5), 12,
+    ),
+    "sticks, is let go, gear": (
+        cogged(2.01e-4, 132, -0.0344, knob={"coulomb_torque": 0.0}, actuator={"delay_samples": 1.4},
+               gear={"ratio": 2.5, "motor_inertia": 3e-7, "stiffness": 5.0, "mesh_damping": 1e-3,
+                     "motor_coulomb_torque": 4.44e-4}, bias={"torque": 0.002}),
+        1000.0, 128, (-2.0, 0.5), 20,
     ),
 }  # fmt: skip
 
@@ -192,6 +219,7 @@ def test_cycles_pass_corners_and_are_proven(name: str) -> None:
     assert 0.0 < cycle.marks[SLOWNESS] < np.inf
     assert (cycle.marks[TURNING] > 0.0) == (cycle.body.friction > 0.0)
     assert (cycle.marks[STUCK_FOR] < np.inf) == ("sticks" in name)
+    assert (cycle.marks[RELEASING] > 0.0) == ("let go" in name)
     assert cycle.room > 1e-10
     assert cycle.bend * cycle.most * cycle.largest <= 0.5 * (1.0 + 1e-12)
     np.testing.assert_allclose(cycle.end, cycle.orbit, atol=1e-12 * (1.0 + np.abs(cycle.orbit).max()))

@@ -54,6 +54,7 @@ from hknob_cli.engine.general.slopes import (
     pass_on,
     roll,
     roll_in_steps,
+    stays_over,
     stiff_of,
     way_from,
 )
@@ -108,8 +109,9 @@ def rubs_alike(room, z, u, slope, mode, span, spread, body):
     stands, pull = arc[STANDS] > 0.0, abs(cog_acceleration(z, u, slope, body))
     arc[STANDS] = 0.0
     if mode == 0:
-        if body.friction - pull > stiff * apart + (0.0 if stands else apart / span):
-            arc[STANDS] = 1.0
+        copy_to(room.begun, z)
+        need = stiff * apart + (0.0 if stands else apart / span)
+        arc[STANDS] = 1.0 if stays_over(room.begun, u, slope, 0, span, need, body, room.pad) else 0.0
         return stands and arc[STANDS] > 0.0
     if z[1] == 0.0:
         return stands and pull - body.friction - stiff * apart > stiff * (spread.fast + room.fast[1] * apart) * span
@@ -194,7 +196,7 @@ def roll_arc(room, z, u, span, drift, body):
         if rubs and mode != 0:
             window, after = 0.0, mode
             if turns:
-                same, window, after, jump, added = stop_on_slope(room, z, u, slope, mode, spread, body)
+                same, window, after, jump, added = stop_on_slope(room, z, u, slope, mode, left, spread, body)
                 alike = alike and same and wait == 0.0 and 2.0 * window < left
                 more += added
                 turn_round(columns, jump, body)
@@ -204,7 +206,7 @@ def roll_arc(room, z, u, span, drift, body):
             if turns:
                 moving, arc[STANDS] = True, 1.0 if after == 0 and alike else 0.0
         elif rubs and turns:
-            alike = False  # it is let go, and others at other times
+            alike, arc[STANDS] = False, 0.0  # it is let go, and others at other times
         if end == 0:
             break
         slope, mode = pass_over(z, u, slope, mode, end, body)
@@ -220,13 +222,13 @@ def roll_arc(room, z, u, span, drift, body):
 
 
 def turns_between(start, low, high, room, body):
-    """Whether friction stops a motion without a torque between two times."""
+    """Whether friction stops a motion without a torque between two times, or lets it go."""
     z, slope = room.first, 0.0
     copy_to(z, start)
     cog_many(body.cogs, z, 0.0, low, body, room.pad)
     slope, left = slope_at(z[0], body.cogs), high - low
     mode = way_from(z, 0.0, slope, body)
-    while left > 0.0 and mode != 0:
+    while left > 0.0:
         t, end = roll(z, 0.0, slope, mode, left, True, body, room.pad)
         if end == TURNED:
             return True
@@ -261,7 +263,7 @@ def begin_rolling(start, room, drift, body):
         cog_rate(z, 0.0, slope, way_from(z, 0.0, slope, body) if rubs else FREE, body, pad)
         for j in range(n):
             room.columns[j] = half * pad[j]
-        radius += half * room.fast[1] * (0.5 * half * fast + arc[ERROR])
+        radius += half * max(room.fast[1], room.fast[2]) * (0.5 * half * fast + arc[ERROR])
     begin_ball(room, radius, body)
 
 

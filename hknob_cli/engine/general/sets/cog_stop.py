@@ -11,8 +11,9 @@ from typing import NamedTuple
 from hknob_cli.engine.general.body import copy_to
 from hknob_cli.engine.general.cogging import room_on
 from hknob_cli.engine.general.sets.friction_arc import stop_bound
+from hknob_cli.engine.general.slide_many import held_bound, held_slope
 from hknob_cli.engine.general.slide_two import way
-from hknob_cli.engine.general.slopes import cog_acceleration, roll, stays_over, stiff_of
+from hknob_cli.engine.general.slopes import cog_acceleration, cog_rate, roll, stays_over, stiff_of
 
 
 class Spread(NamedTuple):
@@ -26,7 +27,7 @@ class Spread(NamedTuple):
     fast: float
 
 
-def stop_on_slope(room, z, u, slope, mode, spread, body):
+def stop_on_slope(room, z, u, slope, mode, left, spread, body):
     """What a stop of the centre ``z`` that slid in ``mode`` does to an arc: ``(alike, window, then, jump, more)``.
 
     Args:
@@ -35,6 +36,7 @@ def stop_on_slope(room, z, u, slope, mode, spread, body):
         u: Torque.
         slope: Of cogging, its number.
         mode: +1 or -1.
+        left: Of the hold.
         spread: Of the arc.
         body: What moves.
 
@@ -51,17 +53,19 @@ def stop_on_slope(room, z, u, slope, mode, spread, body):
     before, later = 2.0 * size, size  # of the rates; twice as much for a window before
     if body.order == 2:
         before, later = 2.0 * slowed, abs(after)
-    bend, slow = stiff * (before + fast * apart), -1.0
+    bend, changes = stiff * (before + fast * apart), -1.0
     alike = 2.0 * fast * window <= 0.5 and 2.0 * (own + 2.0 * bend * window) <= slowed
     alike = alike and room_on(z[0], slope, body.cogs) > far + 8.0 * slowed * window * window
     if then == 0:
-        slow = 0.0
-        alike = alike and body.friction - abs(pull) > own + bend * window
+        copy_to(room.begun, z)
+        cog_rate(z, u, slope, 0, body, room.pad)
+        changes = abs(held_slope(room.pad, body)) + held_bound(room.pad, body) * window
+        alike = alike and stays_over(room.begun, u, slope, 0, left, own + (bend + changes) * window, body, room.pad)
     else:
         later = stiff * (later + fast * apart)
         bend = max(bend, later)
         alike = alike and 2.0 * (own + 2.0 * later * window) <= abs(after)
-    more = stop_bound(slowed, abs(after - rate), bend, slow, apart, window, room, body)
+    more = stop_bound(slowed, abs(after - rate), bend, changes, apart, window, room, body)
     return alike, window, then, (after - rate) / rate, more
 
 

@@ -133,7 +133,7 @@ def count_on_slopes(room, u, span, before, body, watch):
         left -= t
         turns, window = end == TURNED and mode != 0, 0.0
         if turns and known:
-            known, window, _, _, _ = stop_on_slope(room, z, u, slope, mode, spread, body)
+            known, window, _, _, _ = stop_on_slope(room, z, u, slope, mode, left, spread, body)
             known = known and 2.0 * window < left
         known = known and mode != 0 and slides_on(room, u, slope, mode, t, (wait, window), spread, body)
         low, high = min(low, z[0]), max(high, z[0])

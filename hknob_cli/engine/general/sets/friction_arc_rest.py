@@ -12,7 +12,7 @@ from hknob_cli.engine.general.cogging import (
     cog_room,
     far_apart,
     has_cogs,
-    hold_stiffness,
+    own_stiffness,
     reach_of,
     reach_on,
     slope_of,
@@ -29,17 +29,18 @@ UNKNOWN, SEVERAL = -1, -3  # instead of the row of a rest
 
 
 def zone_of(z, stands, u, wrong, level, body, wall):
-    """Stiffness of all springs on the knob, and where friction holds it: ``(stiffness, low, high, blur)``.
+    """Stiffness of a hand's springs, felt by the knob, and where friction holds it: ``(spring, low, high, blur)``.
 
     ``low`` above ``high`` where there are none. ``blur``: how far beyond it may do so within rounding. Beside cogging
     the zone is that of the slope at ``z``, and nothing is known of places beyond; of an arc that ``stands`` it is told
     elsewhere whether friction holds it.
     """
     if has_cogs(body.cogs):
+        own = own_stiffness(body)
         if stands:
-            return 1.0, -inf, inf, 0.0
+            return own, -inf, inf, 0.0
         low, high = zone_on(body.cogs, z[0], u, wrong, body)
-        return hold_stiffness(body.cogs, z[0], body), low, high, inf
+        return own, low, high, inf
     spring, low, high = hold_zone(u, level, body, wall)
     if not spring > 0.0:
         return 0.0, 1.0, 0.0, 0.0

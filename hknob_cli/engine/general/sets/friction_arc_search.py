@@ -81,14 +81,11 @@ class RubRoom(NamedTuple):
 def can_rub_arcs(body: Body, wall: Controller, law: Law | None = None) -> bool:
     """Whether arcs of states can be followed: an energy of differences bounds them, and grows by cogging alone.
 
-    The scene has more than angle and speed, or cogging, reads counts, and a law is proven and feels no speed. With
-    cogging and friction it has no more than angle and speed.
+    The scene has more than angle and speed, or cogging, reads counts, and a law is proven and feels no speed.
     """
     known = law is None or (law.provable and not law.senses)
     plain = body.play == 0.0 and wall.analog == 0.0 and body.damped and body.reach < inf
-    if body.cogs is not None:
-        return plain and known and (body.friction == 0.0 or body.order == 2)
-    return plain and known and body.order > 2
+    return plain and known and (body.cogs is not None or body.order > 2)
 
 
 def rub_drift(body: Body, wall: Controller, law: Law | None = None) -> Drift:
@@ -106,7 +103,7 @@ def rub_drift(body: Body, wall: Controller, law: Law | None = None) -> Drift:
         # Its torque is added to the rates, by the distance from the middle of the slope, which is rounded, too.
         modes = [(COGGED + k, COGGED_HALVES + k * HALVINGS, CONSTANT, body.friction) for k in range(2)]
         spring, constant_pull = 2.0 * body.cogs[SLOPE], body.cogs[SLOPE] * body.cogs[LENGTH]
-    elif body.friction > 0.0:
+    if body.friction > 0.0 and body.order > 2:
         modes.append((HELD, HALVES_HELD, CONSTANT_HELD, 0.0))
     for rates, integrals, constant, friction in modes:
         rate = []  # bounds on the terms of each rate: by 1, by the command, and by each number of the state
