@@ -142,7 +142,7 @@ def build() -> None:
 
     from hknob_cli.cli.app import app
     from hknob_cli.results.versions import showing_versions
-    from hknob_cli.specs.units import to_si
+    from hknob_cli.specs.quantity import to_si
 
     models = [BaseModel]
     for model in models:  # grows

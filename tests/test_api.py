@@ -237,7 +237,7 @@ def test_a_type_checker_knows_the_face(tmp_path: Path) -> None:
     cache = ROOT / ".mypy_cache"
     said, _, _ = mypy.run(["--strict", "--follow-imports=silent", f"--cache-dir={cache}", str(script)])
     assert (ROOT / "hknob_cli" / "py.typed").exists()
-    assert 'note: Revealed type is "hknob_cli.api.results.Results"' in said
+    assert 'note: Revealed type is "hknob_cli.api.stages.Results"' in said
     assert 'note: Revealed type is "float"' in said.replace("builtins.float", "float")
     assert said.count("error:") == 1
     assert 'script.py:5: error: Argument "out" to "remedies" has incompatible type "int"' in said

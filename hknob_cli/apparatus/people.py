@@ -23,9 +23,9 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.apparatus.hand import SecondOrder
-from hknob_cli.apparatus.streams import Purpose, stream
 from hknob_cli.errors import UsageError
 from hknob_cli.printed.tables import table
+from hknob_cli.recordings.trial import Purpose, stream
 
 _COLUMNS = (
     ("inertia_kg_m2", "inertia_cv_percent"),

@@ -1,8 +1,7 @@
 """Other ways to the same motion: SciPy, fixed steps, MuJoCo, and 60 digits. They share no formula with the engine.
 
-- `model` the plant and its controller, which share no formula with the engine
-- `run` a trial from sample to sample
-- `scipy_methods`, `fixed_step` (`kernels`), `mujoco_hinge`
+- `model` the plant and its controller, which share no formula with the engine, and a trial from sample to sample
+- `scipy_methods`, `fixed_step`, `mujoco_hinge`
 - `digits60` the reference
 - `catalogue` all of them
 

@@ -4,10 +4,9 @@ from typing import NamedTuple
 
 from hknob_cli.baselines.fixed_step import METHODS as FIXED
 from hknob_cli.baselines.fixed_step import FixedStep
-from hknob_cli.baselines.model import Controller
+from hknob_cli.baselines.model import Controller, Deadline, Motion, follow
 from hknob_cli.baselines.mujoco_hinge import INTEGRATORS as MUJOCO
 from hknob_cli.baselines.mujoco_hinge import MujocoHinge
-from hknob_cli.baselines.run import Deadline, Motion, follow
 from hknob_cli.baselines.scipy_methods import CLASSES as SCIPY
 from hknob_cli.baselines.scipy_methods import ScipyIntegrator
 from hknob_cli.specs.plan import BenchPlan, BenchScene

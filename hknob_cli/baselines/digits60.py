@@ -8,8 +8,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from hknob_cli.baselines.model import Controller, bias_torque, build_plant, leaves, start_state
-from hknob_cli.baselines.run import Deadline, LostError
+from hknob_cli.baselines.model import Controller, Deadline, LostError, bias_torque, build_plant, leaves, start_state
 from hknob_cli.errors import UsageError
 from hknob_cli.specs.plan import BenchScene
 

@@ -8,8 +8,7 @@ a fractional delay, the time step is made to fit each part. MuJoCo's friction is
 from math import ceil
 from typing import Any
 
-from hknob_cli.baselines.model import Controller, bias_torque
-from hknob_cli.baselines.run import LostError
+from hknob_cli.baselines.model import Controller, LostError, bias_torque
 from hknob_cli.specs.plan import Actuator, BenchScene, Hand
 
 INTEGRATORS = {"mujoco_euler": "Euler", "mujoco_implicitfast": "implicitfast", "mujoco_rk4": "RK4"}

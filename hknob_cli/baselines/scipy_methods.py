@@ -13,8 +13,16 @@ from typing import Any
 
 import numpy as np
 
-from hknob_cli.baselines.model import Controller, Plant, bias_torque, build_plant, leaves, start_state
-from hknob_cli.baselines.run import Deadline, LostError
+from hknob_cli.baselines.model import (
+    Controller,
+    Deadline,
+    LostError,
+    Plant,
+    bias_torque,
+    build_plant,
+    leaves,
+    start_state,
+)
 from hknob_cli.specs.plan import BenchScene
 
 CLASSES = {"rk23": "RK23", "rk45": "RK45", "dop853": "DOP853", "lsoda": "LSODA", "radau": "Radau", "bdf": "BDF"}

@@ -10,7 +10,7 @@ import typer
 
 from hknob_cli.cli.options import Json, Quiet, Sets
 from hknob_cli.errors import RefusedError, UsageError, unwritable
-from hknob_cli.specs.standard_input import named
+from hknob_cli.specs.named_file import named
 from hknob_cli.terminal import reporting, say, tell
 
 if TYPE_CHECKING:

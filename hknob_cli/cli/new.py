@@ -15,7 +15,7 @@ import typer
 
 from hknob_cli.cli.options import Sets
 from hknob_cli.errors import ExitCode, RefusedError, SpecError, UsageError, unwritable
-from hknob_cli.specs.standard_input import STDIN
+from hknob_cli.specs.named_file import STDIN
 from hknob_cli.stage_table import PIPELINE, SPECS
 from hknob_cli.terminal import plain, reporting, say, tell
 

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from hknob_cli.specs.standard_input import named
+from hknob_cli.specs.named_file import named
 from hknob_cli.stage_table import STAGES
 
 

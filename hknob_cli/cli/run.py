@@ -22,16 +22,16 @@ from hknob_cli.cli.options import (
     unspreadable,
 )
 from hknob_cli.errors import ComputationError, ExitCode, HknobError, UsageError
-from hknob_cli.specs.standard_input import named
+from hknob_cli.specs.named_file import named
 from hknob_cli.terminal import heed, reporting, say, tell
 
 if TYPE_CHECKING:
     from hknob_cli.cli.run_done import Stage
     from hknob_cli.pipeline.build import Outcome, Step
     from hknob_cli.pipeline.one_claim import OneClaim
-    from hknob_cli.results.changes import Change
     from hknob_cli.specs.stage_plans import PipelinePlan
     from hknob_cli.stages.job import Job
+    from hknob_cli.stages.make import Change
 
 
 def run(
@@ -113,7 +113,7 @@ def run(
             if done_all and not one:
                 fresh.write_record(root, plan.name, request, _up_to_date(table, root))
         if one and done_all:
-            from hknob_cli.cli.next_step import after_pipeline
+            from hknob_cli.cli.run_done import after_pipeline
 
             step = "" if quiet else after_pipeline(pipeline, root, overrides, plan.name, claim, [])
             _say_verdict(one, plan.name, table, step, as_json=as_json)

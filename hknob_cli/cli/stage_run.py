@@ -3,11 +3,10 @@
 import json
 from typing import Any
 
-from hknob_cli.cli.next_step import after_stage
+from hknob_cli.cli.run_done import after_stage
 from hknob_cli.report.table import folded
-from hknob_cli.results.changes import as_data, in_a_line
 from hknob_cli.stages.job import Job, work_of
-from hknob_cli.stages.make import State, as_written, make, state_of, warn
+from hknob_cli.stages.make import State, as_data, as_written, in_a_line, make, state_of, warn
 from hknob_cli.stages.work import Work
 from hknob_cli.terminal import tell
 

@@ -25,7 +25,7 @@ functions that Python calls are optimised with all that they call; the others ar
 What a scene lacks is not compiled (`absent.py`). Compiled code is cached by a digest of the sources.
 
 Cell by cell, or many in one call (`engine/cells.py`). A sweep of many cheap cells would spend most of its time
-between kernels. So cells that are all plain are reduced as arrays (`scene.sampled_knob.reduce_scene` is the same
+between kernels. So cells that are all plain are reduced as arrays (`scene.plain_knob.reduce_scene` is the same
 arithmetic over numbers and arrays), run, measured and ranked in one compiled function, which returns now and then so
 that an interruption is heard, and laid out as tables from columns. It calls the functions that one cell does, in the
 same order: tables are the same to the last bit, and a test says so.

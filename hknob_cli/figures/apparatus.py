@@ -6,8 +6,8 @@ scale, the rest is not.
 
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.apparatus.bench_rigs import POSITIONS_M
-from hknob_cli.apparatus.rig import Rig
+from hknob_cli.apparatus.experiment import POSITIONS_M
+from hknob_cli.apparatus.hand_recording import Rig
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.schematic import SCALE, draw_to_scale, ground
 from hknob_cli.results.result_set import MissingError, Result, ResultSet, Rows
@@ -253,7 +253,7 @@ def amplifier_step(_evidence: ResultSet, _of: Any = None, *, current_a: float = 
     """
     import numpy as np
 
-    from hknob_cli.apparatus.rig import Rig
+    from hknob_cli.apparatus.hand_recording import Rig
 
     rig = Rig()
     time = np.linspace(0.0, 6.0 * rig.interval_s, 241)

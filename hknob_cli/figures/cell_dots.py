@@ -9,7 +9,7 @@ from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.grid import Row, axes_of, axis_label, nearest_rows, rows_of
 from hknob_cli.figures.lines import Cells, Point, cells_of, place_of
 from hknob_cli.figures.numbers import tick_labels
-from hknob_cli.report.population import by_cell, pitches, sizes
+from hknob_cli.report.large import by_cell, pitches, sizes
 from hknob_cli.results.result_set import MissingError, ResultSet
 from hknob_cli.specs.plan import PERSON
 

@@ -16,7 +16,7 @@ from hknob_cli.figures.stability import is_kb
 from hknob_cli.figures.what_matters import can_tell
 from hknob_cli.report.large import varying
 from hknob_cli.report.sweep_words import perceived_levels
-from hknob_cli.results.means import differs
+from hknob_cli.results.columns import differs
 from hknob_cli.results.result_set import CAMPAIGN, Result
 from hknob_cli.specs.plan import PERSON
 from hknob_cli.specs.stage_plans import FigurePlan, Sentence

@@ -8,7 +8,7 @@ from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.identification import Pulsed, plan_of, plant_of, pulsed, rows_of
 from hknob_cli.figures.panel import key
 from hknob_cli.figures.pulses import modelled, rule_pulse, time_of
-from hknob_cli.identify.finger_network import FINGER_INERTIA, respond_fourth, split
+from hknob_cli.identify.fourth_order import FINGER_INERTIA, respond_fourth, split
 from hknob_cli.identify.second_order import Plant
 from hknob_cli.printed.tables import apparatus_inertia
 from hknob_cli.results.result_set import MissingError, ResultSet

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from hknob_cli.figures.numbers import number
 from hknob_cli.report.dfa import largest_cycles
 from hknob_cli.report.table import short
-from hknob_cli.results.means import MEANS, mean_beside
+from hknob_cli.results.columns import MEANS, mean_beside
 from hknob_cli.results.result_set import MissingError, Result, Rows
 
 _AXES = {

@@ -16,7 +16,7 @@ from hknob_cli.figures.sheet import save
 from hknob_cli.hardware.order import period_ns
 from hknob_cli.hardware.sample_clock import audit, histogram, jitter_of
 from hknob_cli.report.hw_run import cells_of, quiet_text
-from hknob_cli.results.means import differs, mean_beside
+from hknob_cli.results.columns import differs, mean_beside
 from hknob_cli.specs.plan import COUNTS, RATE
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from math import isfinite, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from hknob_cli.apparatus.rig import virtual_rig
+from hknob_cli.apparatus.hand_recording import virtual_rig
 from hknob_cli.figures import theme
 from hknob_cli.figures.sheet import save
 from hknob_cli.identify.motion import Motion

@@ -11,7 +11,7 @@ import numpy as np
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.grid import Grid, Layout, LinesLayout, column_label, grid
 from hknob_cli.figures.numbers import log_ticks, mark_values, tick_labels
-from hknob_cli.results.means import WORST
+from hknob_cli.results.columns import WORST
 from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from hknob_cli.figures.grid import (
 )
 from hknob_cli.figures.numbers import log_ticks, mark_values, number, tick_labels
 from hknob_cli.report.table import short
-from hknob_cli.results.means import WORST, differs
+from hknob_cli.results.columns import WORST, differs
 from hknob_cli.results.result_set import MissingError, Result, ResultSet, Rows
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.grid import Grid, Layout, Measure, Row, cell_text, column_label, ends, grid, notes
 from hknob_cli.figures.heat import about_zero, diverging, draw_key, draw_map, height_of, norm_of, ramp
 from hknob_cli.figures.numbers import tick_labels
-from hknob_cli.results.means import WORST
+from hknob_cli.results.columns import WORST
 from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:

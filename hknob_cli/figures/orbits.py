@@ -10,7 +10,7 @@ from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.grid import Row, axes_of, axis_label, nearest_rows
 from hknob_cli.figures.numbers import mark_values, number
 from hknob_cli.report.table import short
-from hknob_cli.results.means import MEANS
+from hknob_cli.results.columns import MEANS
 from hknob_cli.results.result_set import MissingError, Result, ResultSet, Rows
 from hknob_cli.specs.plan import COUNTS, RATE, Scene
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from hknob_cli.scene.sampled_knob import SampledKnob
+    from hknob_cli.scene.plain_knob import SampledKnob
     from hknob_cli.theory.relay import Crossing
 
 STIFFNESS, DAMPING = "wall.stiffness", "wall.damping"
@@ -116,7 +116,7 @@ def nyquist(evidence: ResultSet, of: str, *, rates: list[float] | None = None, z
     without delay. ``zoom``: a second panel for the crossings near the origin, by default with three rates or more.
     Raises `MissingError` where the scene has no sample clock, and where hysteresis makes another line of the ray.
     """
-    from hknob_cli.scene.sampled_knob import sample_knob
+    from hknob_cli.scene.plain_knob import sample_knob
     from hknob_cli.specs.capabilities import PARTS, parts_of
     from hknob_cli.theory.relay import crossing
 

@@ -15,7 +15,7 @@ from hknob_cli.figures.defaults import figures_of
 from hknob_cli.figures.grid import axis_name
 from hknob_cli.figures.heat import colour_map
 from hknob_cli.figures.sheet import save, write_sheet
-from hknob_cli.report.population import Row, describe_people
+from hknob_cli.report.large import Row, describe_people
 from hknob_cli.report.table import is_whole, short
 from hknob_cli.results.result_set import Held
 from hknob_cli.specs.plan import PERSON

@@ -21,7 +21,7 @@ from hknob_cli.figures.sheet import save
 from hknob_cli.report.dfa import largest_cycles
 from hknob_cli.report.what_matters import MOST_BINS, Columns, Matter, columns_of, measures_in
 from hknob_cli.report.what_matters import what_matters as found_in
-from hknob_cli.results.means import ONE, WORST
+from hknob_cli.results.columns import ONE, WORST
 from hknob_cli.results.result_set import MissingError, Result, ResultSet
 from hknob_cli.specs.unit_points import Points
 

@@ -11,9 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.errors import MISSHAPEN, ComputationError, RefusedError
-from hknob_cli.hardware.journal import Journal, Journalled, read_journal
+from hknob_cli.hardware.journal import ABOUT, RECORDING, Journal, Journalled, read_about, read_journal, refuse_other
 from hknob_cli.hardware.order import Trial
-from hknob_cli.hardware.sources import ABOUT, RECORDING, read_about, refuse_other
 from hknob_cli.hardware.trial_file import Recorded, joined, read_trial, sample_table, write_trial, zero_of
 from hknob_cli.recordings.trial import Key
 from hknob_cli.results.files import create, make_folder, put_in_place, refuse_link, sync_folder

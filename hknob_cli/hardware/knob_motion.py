@@ -11,12 +11,12 @@ from zlib import crc32
 
 import numpy as np
 
-from hknob_cli.apparatus.streams import Purpose, stream
 from hknob_cli.engine.general.advance import advance_hold, advance_span
 from hknob_cli.engine.general.body import SECOND
 from hknob_cli.engine.general.slide_two import step_with_friction
 from hknob_cli.errors import UsageError
 from hknob_cli.hardware.port import Array, Settings, Simulated
+from hknob_cli.recordings.trial import Purpose, stream
 from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.specs.motor import Coil
 from hknob_cli.specs.plan import Actuator, Hand, Knob, Scene, Wall

@@ -10,7 +10,7 @@ from math import tau
 
 import numpy as np
 
-from hknob_cli.hardware.grip_trigger import GripTrigger, Phase
+from hknob_cli.hardware.control import GripTrigger, Phase
 from hknob_cli.hardware.knob_motion import KnobMotion, Nuisances
 from hknob_cli.hardware.person import grip_of, squeezing_hand
 from hknob_cli.hardware.port import Array, Block, PulseOrder, Settings, Simulated, Squeeze

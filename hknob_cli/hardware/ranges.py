@@ -5,8 +5,7 @@ What the wire asks of a trial's settings beside the target's ranges: that a bloc
 
 from math import inf, isfinite
 
-from hknob_cli.hardware.control import begins_of, looks_of, senses_speed
-from hknob_cli.hardware.grip_trigger import pulse_of
+from hknob_cli.hardware.control import begins_of, looks_of, pulse_of, senses_speed
 from hknob_cli.hardware.port import MOST_SINES, Identity, Settings, Simulated
 from hknob_cli.hardware.trial_wall import MOST, room_of
 from hknob_cli.hardware.wire.answers import most_samples

@@ -22,8 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.control import looks_of
-from hknob_cli.hardware.grip_trigger import GripTrigger
+from hknob_cli.hardware.control import GripTrigger, looks_of
 from hknob_cli.hardware.port import Array, Block, Counts, Flags, Settings
 from hknob_cli.hardware.trial_wall import TrialWall
 from hknob_cli.hardware.wire.codes import Law

@@ -14,7 +14,7 @@ from hknob_cli.hardware.sample_clock import audit
 from hknob_cli.hardware.trial_file import Recorded
 from hknob_cli.hardware.trial_phases import Ended
 from hknob_cli.hardware.trial_wall import words_of
-from hknob_cli.hardware.wire.acts import pack_act, pieces_of
+from hknob_cli.hardware.wire.codes import pack_act, pieces_of
 from hknob_cli.recordings.files import first_line
 from hknob_cli.recordings.measured_cycle import TrialMeasures, measure_trial
 from hknob_cli.recordings.spectrum import pitch_hz, torque_rises_hz

@@ -16,9 +16,9 @@ from hknob_cli.errors import ComputationError
 from hknob_cli.hardware.order import Trial
 from hknob_cli.hardware.port import Array, Block, Counts, Flags
 from hknob_cli.recordings.columns import KEYS, MEASURED_TORQUE, SAMPLES
+from hknob_cli.recordings.files import table as recording_table
 from hknob_cli.recordings.trial import Key
 from hknob_cli.recordings.trial import Trial as RecordedTrial
-from hknob_cli.recordings.write import table as recording_table
 from hknob_cli.results.arrays import build_array
 from hknob_cli.results.campaign_files import ACCELERATION, MORE_SAMPLES
 from hknob_cli.results.columns import Column

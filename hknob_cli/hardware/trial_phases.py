@@ -13,8 +13,8 @@ from enum import Enum
 import numpy as np
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.grip_trigger import GripTrigger
-from hknob_cli.hardware.grip_trigger import Phase as PulsePhase
+from hknob_cli.hardware.control import GripTrigger
+from hknob_cli.hardware.control import Phase as PulsePhase
 from hknob_cli.hardware.port import Block, PulseOrder
 from hknob_cli.specs.campaign import Course
 from hknob_cli.specs.pulses import Pulses

@@ -19,8 +19,8 @@ import numpy as np
 
 from hknob_cli.apparatus.people import mean_hand
 from hknob_cli.errors import UsageError
-from hknob_cli.identify.finger_network import FINGER_INERTIA, hold_matrices, network, respond_fourth, split
 from hknob_cli.identify.fit import Fit
+from hknob_cli.identify.fourth_order import FINGER_INERTIA, hold_matrices, network, respond_fourth, split
 from hknob_cli.identify.least_squares import least_squares, least_squares_friction
 from hknob_cli.identify.motion import Motion, differentiate, smooth
 from hknob_cli.identify.output_error import output_error

@@ -25,8 +25,7 @@ from hknob_cli.measure.forms import (
     relaxed,
     ways,
 )
-from hknob_cli.measure.harmonics import Harmonics, harmonic_count, scaled
-from hknob_cli.measure.orbit import OrbitMeasures, at_rest
+from hknob_cli.measure.orbit import Harmonics, OrbitMeasures, at_rest, harmonic_count, scaled
 from hknob_cli.measure.pieces import NEGLIGIBLE, extremes, knob_row, mesh_row, of_chart
 from hknob_cli.scene.general_knob import GeneralKnob
 

@@ -1,7 +1,11 @@
-"""Growth of energy from bounce to bounce: how fast the hold pumps a knob that nothing damps.
+"""How far a knob swings that has no cycle to measure: pumped from bounce to bounce, and under every clock.
 
-At a peak all energy is in bias and hand, E = g theta + k theta^2 / 2. A parabola fitted to the peaks of a trial over
-time has the "energy growth rate" as its second-order coefficient (Hasser, sec. 6.4.1).
+Growth of energy is how fast the hold pumps a knob that nothing damps. At a peak all energy is in bias and hand,
+E = g theta + k theta^2 / 2. A parabola fitted to the peaks of a trial over time has the "energy growth rate" as its
+second-order coefficient (Hasser, sec. 6.4.1).
+
+The bound under clocks that jitter is of all sequences of intervals between the shortest and the longest, also of those
+that are chosen to make the knob swing; what trials show is of the intervals that their seed draws.
 """
 
 from collections.abc import Callable, Mapping
@@ -12,11 +16,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hknob_cli.engine import bounces as plain
+from hknob_cli.engine.alarm import Alarm
+from hknob_cli.engine.attractors import NeedsCompilerError
 from hknob_cli.engine.ensemble import first_sample
+from hknob_cli.engine.general.every_clock import ClockBound, is_bounded, start_region, start_regions
+from hknob_cli.engine.general.search import as_compiled
 from hknob_cli.engine.loop import drive_of
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.engine.turning import zero_spacing
-from hknob_cli.scene.sampled_knob import SampledKnob
+from hknob_cli.scene.general_knob import GeneralKnob
+from hknob_cli.scene.plain_knob import SampledKnob
+from hknob_cli.specs.plan import Starts
 
 Array = NDArray[np.float64]
 
@@ -130,3 +140,31 @@ def energy_growth(trials: list[Peaks]) -> Growth:
         fits=len(bends),
         trials=len(trials),
     )
+
+
+Functions = dict[str, Callable[..., Any]]
+
+
+def clock_bound_rad(
+    knob: GeneralKnob, starts: Starts, functions: Functions | None, *, seconds: float | None = None
+) -> float | None:
+    """A bound on largest less smallest angle in the end, rad; 0: all motions come to rest.
+
+    None without a clock that jitters, where the scene has more in it than `engine.general.every_clock` is of, where no
+    bound is found, and where it takes longer than ``seconds``. From one start the first sample comes at any time within
+    the longest interval; a range of starts is of states at a sample. Raises `NeedsCompilerError` without compiled
+    ``functions``.
+    """
+    if knob.wall.clock is None or not is_bounded(knob.body, knob.wall, knob.delay_line):
+        return None
+    if functions is None:
+        raise NeedsCompilerError
+    body, wall = as_compiled(knob.body, knob.wall)
+    if starts.span:
+        low, high, slowest, fastest = starts.span
+        regions = start_region([knob.start(low, slowest), knob.start(high, fastest)])
+    else:
+        regions = start_regions(body, knob.start(starts.angle, starts.velocity))
+    with Alarm(seconds, body.halt):
+        counts = ClockBound(functions, body, wall).range(regions)
+    return None if counts is None else counts * knob.quantum_rad

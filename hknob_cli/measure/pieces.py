@@ -20,7 +20,7 @@ from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.search import PeriodSegments
 from hknob_cli.engine.general.teeth import APART, BACK
 from hknob_cli.measure.forms import WALL, Array, generator, piece_starts, regimes
-from hknob_cli.measure.harmonics import Complex
+from hknob_cli.measure.orbit import Complex
 
 PART = 0.2  # of the fastest mode's time, a step
 MOST_NUMBERS = 20_000_000  # steps times pieces of an orbit; beyond, no extremes

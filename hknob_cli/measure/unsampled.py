@@ -21,7 +21,7 @@ from hknob_cli.engine.unsampled.wall_pieces import (
     wall_potential,
 )
 from hknob_cli.errors import ComputationError
-from hknob_cli.scene.unsampled_knob import UnsampledKnob
+from hknob_cli.scene.plain_knob import UnsampledKnob
 
 Array = NDArray[np.float64]
 Functions = Mapping[str, Callable[..., Any]]

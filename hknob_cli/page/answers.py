@@ -10,9 +10,8 @@ from hknob_cli.page.book import Tile
 from hknob_cli.report.bench import equal_error
 from hknob_cli.report.dfa import largest_cycles
 from hknob_cli.report.hw_run import describe_pulses, pulses_verdict
-from hknob_cli.report.large import varying
+from hknob_cli.report.large import describe_people, varying
 from hknob_cli.report.passive import passive_verdict
-from hknob_cli.report.population import describe_people
 from hknob_cli.report.remedies import over_the_grid, over_the_trials, tried_verdict
 from hknob_cli.report.table import short
 from hknob_cli.report.verdicts import (
@@ -30,7 +29,7 @@ from hknob_cli.report.verdicts import (
     unproven_of,
 )
 from hknob_cli.report.what_matters import columns_of
-from hknob_cli.results.means import WORST
+from hknob_cli.results.columns import WORST
 from hknob_cli.results.result_set import CAMPAIGN, MissingError, Result, ResultSet
 from hknob_cli.specs.plan import COUNTS, PERSON, RATE
 

@@ -15,13 +15,13 @@ from hknob_cli.figures import drawing_of
 from hknob_cli.figures.defaults import figures_of
 from hknob_cli.page.answers import answers_of, tiles_of
 from hknob_cli.page.book import Chapter, Page, Part, Place, Source, Table
-from hknob_cli.page.by_processes import Progress
 from hknob_cli.page.claims.checks import argument_fault, check_fault
 from hknob_cli.page.drawn import draw_figures, filled
 from hknob_cli.page.tables import table_of
 from hknob_cli.results.result_set import CAMPAIGN, MissingError, Result, ResultSet
 from hknob_cli.specs.named_file import read_named
 from hknob_cli.specs.stage_plans import ChapterPlan, ReportPlan, Sentence, TablePlan
+from hknob_cli.spread.forks import Progress
 
 _HEADING = re.compile(r"^## (.+)$")
 _CELLS = 3  # place, what it is, where it is here

@@ -18,10 +18,10 @@ from hknob_cli.errors import MISSHAPEN, UsageError
 from hknob_cli.figures import draw, drawing_of, theme
 from hknob_cli.figures.recording import settled_period
 from hknob_cli.page.book import Clip, Drawn
-from hknob_cli.page.by_processes import Progress, by_processes
 from hknob_cli.page.claims.checks import compute
 from hknob_cli.results.result_set import MissingError, ResultSet
 from hknob_cli.specs.stage_plans import FigurePlan, Listen, Sentence
+from hknob_cli.spread.forks import Progress, by_processes
 
 RATE_HZ = 16000
 DURATION_S = 1.2

@@ -13,7 +13,7 @@ from hknob_cli.figures.grid import axis_name
 from hknob_cli.figures.numbers import numeral
 from hknob_cli.page.book import Head, Table
 from hknob_cli.report.what_matters import columns_of
-from hknob_cli.results.means import WORST, differs
+from hknob_cli.results.columns import WORST, differs
 from hknob_cli.results.parted import Parted
 from hknob_cli.results.result_set import MissingError, Result, ResultSet
 from hknob_cli.specs.plan import COUNTS, PERSON, RATE

@@ -1,7 +1,6 @@
 """Whether anyone will feel or hear a buzz: published thresholds, as data, and levels above them.
 
-- `published` thresholds as data, and what a judgment by them may be wrong by
 - `touch`, `torque_step`, `hearing` (ISO 226) levels above them
-- `level` how parts combine
+- `level` published thresholds as data, how parts combine, and what a judgment may be wrong by
 - `sound` a clip to listen to
 """

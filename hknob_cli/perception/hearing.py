@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hknob_cli.errors import UsageError
-from hknob_cli.perception.level import Array, Verdict, combine, decibels, refuse_outside
-from hknob_cli.perception.published import columns, published
+from hknob_cli.perception.level import Array, Verdict, columns, combine, decibels, published, refuse_outside
 from hknob_cli.specs.perception import Background
 
 REFERENCE_PA = 20e-6  # of sound pressure levels

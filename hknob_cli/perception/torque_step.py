@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hknob_cli.errors import UsageError
-from hknob_cli.perception.level import Array, as_published, decibels, refuse_outside
-from hknob_cli.perception.published import threshold_set
+from hknob_cli.perception.level import Array, as_published, decibels, refuse_outside, threshold_set
 
 
 def torque_step(stiffness_nm_per_rad: ArrayLike, counts_per_rev: ArrayLike) -> Array:

@@ -5,8 +5,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hknob_cli.perception.level import Array, Verdict, as_published, combine, decibels, refuse_outside, to_peak
-from hknob_cli.perception.published import published, threshold_set
+from hknob_cli.perception.level import (
+    Array,
+    Verdict,
+    as_published,
+    combine,
+    decibels,
+    published,
+    refuse_outside,
+    threshold_set,
+    to_peak,
+)
 
 # Where thresholds are extrapolated to: vibration is felt up to about 1 kHz (Tan et al. 1994, sec. 2).
 FELT_HZ = (1.0, 1000.0)

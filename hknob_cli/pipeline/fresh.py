@@ -15,9 +15,8 @@ from typing import Any
 
 from hknob_cli.results.files import create, digest, input_digest, put_in_place
 from hknob_cli.results.versions import showing_versions, version
-from hknob_cli.specs.named_file import size_limit
+from hknob_cli.specs.named_file import given, is_stdin, size_limit
 from hknob_cli.specs.seal import BLANK, State, sealed, state_of
-from hknob_cli.specs.standard_input import given, is_stdin
 
 RECORD = "pipeline.json"
 LOCK = "pytask.lock"

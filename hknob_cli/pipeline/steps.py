@@ -18,10 +18,9 @@ from hknob_cli.pipeline.side_by_side import SideBySide, Task
 from hknob_cli.results.files import refuse_link
 from hknob_cli.specs.load import load
 from hknob_cli.specs.messages import unknown
-from hknob_cli.specs.named_file import open_named
+from hknob_cli.specs.named_file import as_typed, is_stdin, open_named
 from hknob_cli.specs.plan import Plan
 from hknob_cli.specs.stage_plans import PipelinePlan, ReportPlan, StagePlan
-from hknob_cli.specs.standard_input import as_typed, is_stdin
 from hknob_cli.stages.job import Job, work_of
 from hknob_cli.stages.make import make
 from hknob_cli.stages.work import Work, hand_files

@@ -127,7 +127,7 @@ def _is_sound_picture(path: Path) -> bool:
 
 
 def _is_sound_piece(path: Path) -> bool:
-    from hknob_cli.results.staging import unpacked
+    from hknob_cli.results.files import unpacked
 
     return unpacked(path.read_bytes()) is not None
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hknob_cli.errors import UsageError
-from hknob_cli.measure.harmonics import Harmonics
+from hknob_cli.measure.orbit import Harmonics
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 

@@ -1,8 +1,9 @@
-"""One recorded trial: the keys that say of whom and when it is, and its torque pulse.
+"""One recorded trial: the keys that say of whom and when it is, its torque pulse, and its stream of random numbers.
 
-One recorded trial, and the keys that say of whom and when it is.
+Every subject, block and trial has a random stream of its own, so that leaving one out changes no other.
 """
 
+from enum import IntEnum
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -67,3 +68,23 @@ def find_pulse(torque_nm: Array) -> Pulse | None:
     edges = np.flatnonzero(np.diff(np.concatenate([[0], size > SHARE * peak, [0]]).astype(np.int8)))
     onset, end = int(edges[0]), int(edges[1])
     return Pulse(onset, end, float(torque_nm[onset:end].mean()), edges.size // 2 - 1)
+
+
+class Purpose(IntEnum):
+    """What a stream is for; the first number of its key. Numbers stay as they are: recordings depend on them."""
+
+    SUBJECT = 1
+    BLOCK = 2
+    TRIAL = 3
+    RECORDING = 4
+    BENCH = 5
+    DEVICE = 6
+    PERSON = 7
+
+
+def stream(seed: int, purpose: Purpose, *place: int) -> np.random.Generator:
+    """The stream at a place, numbers >= 0 such as (experiment, subject, grip, block, trial), under a seed >= 0.
+
+    Source: the spawn keys of NumPy's `SeedSequence`; streams of different keys are independent.
+    """
+    return np.random.Generator(np.random.PCG64(np.random.SeedSequence(seed, spawn_key=(purpose, *place))))

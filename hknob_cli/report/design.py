@@ -5,9 +5,9 @@ from typing import Any
 
 import pyarrow as pa
 
-from hknob_cli.perception.published import REDRAWS, doubts
+from hknob_cli.perception.level import REDRAWS, doubts
 from hknob_cli.report.table import matrix, short, table
-from hknob_cli.results.means import from_where
+from hknob_cli.results.columns import from_where
 from hknob_cli.specs.plan import COUNTS, RATE
 from hknob_cli.specs.stage_plans import DesignPlan
 

@@ -10,7 +10,7 @@ from hknob_cli.report.remedies import tried_text
 from hknob_cli.report.table import MAX_ROWS, grid, labels, matrix, short, table
 from hknob_cli.report.verdicts import grid_verdict
 from hknob_cli.results.campaign_files import cell_rows
-from hknob_cli.results.means import differs
+from hknob_cli.results.columns import differs
 from hknob_cli.specs.plan import COUNTS, RATE
 
 Row = dict[str, Any]

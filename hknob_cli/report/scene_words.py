@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 from hknob_cli.report.derived_numbers import Number
 from hknob_cli.report.table import folded, short
-from hknob_cli.specs.declared import unit_at
 from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Axes, Hand, Scene, placed, value_at
+from hknob_cli.specs.quantity import unit_at
 from hknob_cli.specs.squeeze import DECIDING, grip_of, left_out
 
 # What is written after numbers that have no unit.

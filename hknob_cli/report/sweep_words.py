@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import pyarrow as pa
 
-from hknob_cli.perception.published import published
+from hknob_cli.perception.level import published
 from hknob_cli.report.table import short
 
 

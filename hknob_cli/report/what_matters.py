@@ -14,8 +14,7 @@ import pyarrow as pa
 
 from hknob_cli.report.table import short, table
 from hknob_cli.results.arrays import reals
-from hknob_cli.results.columns import PEOPLE
-from hknob_cli.results.means import ONE, WORST
+from hknob_cli.results.columns import ONE, PEOPLE, WORST
 from hknob_cli.specs.plan import PERSON
 
 if TYPE_CHECKING:

@@ -1,9 +1,8 @@
 """Result files: their columns, provenance, and how they are written.
 
-- `columns` names, units, meanings
-- `arrays`, `store` (`files` refuses symbolic links), `provenance`
-- `staging` what an unfinished run has finished, `parted` tables in parts
-- `means` the largest cycle of a cell, of which starts it is, and the mean beside it
+- `columns` names, units, meanings; the largest cycle of a cell, of which starts it is, and the mean beside it
+- `arrays`, `store`, `provenance`, `parted` tables in parts
+- `files` refuses symbolic links, and has what an unfinished run has finished
 - `result_set` results by name, and rows of them
 - `campaign_files` a campaign's columns, and its trials as cells of a sweep
 

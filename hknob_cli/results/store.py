@@ -7,7 +7,7 @@ from pathlib import Path
 import pyarrow as pa
 
 from hknob_cli.errors import ComputationError, RefusedError, unwritable
-from hknob_cli.results.files import create, make_folder, make_folders, sync, sync_folder
+from hknob_cli.results.files import create, kind_of, make_folder, make_folders, staged, sync, sync_folder
 from hknob_cli.results.parted import (
     Parted,
     aside,
@@ -21,7 +21,6 @@ from hknob_cli.results.parted import (
     set_aside,
 )
 from hknob_cli.results.provenance import KEY, SIGNATURE, is_marked, marked_origin, origin, picture_origin
-from hknob_cli.results.staging import kind_of, staged
 from hknob_cli.specs.parquet import NotTextError, schema_of
 from hknob_cli.specs.seal import KEY as SEAL
 from hknob_cli.specs.seal import is_changed, sealed

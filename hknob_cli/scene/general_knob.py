@@ -1,6 +1,6 @@
 """One cell of a scene with more in it than the plain loop has: friction, finger, lag, limits, a continuous sensor.
 
-Like `scene.sampled_knob`, in counts and sample periods; without an encoder a count is a milliradian.
+Like `scene.plain_knob`, in counts and sample periods; without an encoder a count is a milliradian.
 """
 
 from math import inf, isfinite, pi

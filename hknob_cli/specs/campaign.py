@@ -5,7 +5,6 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from hknob_cli.errors import Fault
 from hknob_cli.specs.controller import Controller
-from hknob_cli.specs.declared import declared
 from hknob_cli.specs.drive import Driven, driven_of
 from hknob_cli.specs.motor import EddyBrake, Motor
 from hknob_cli.specs.over_angle import DeadZone, Detents, EndStops, Profile
@@ -28,6 +27,7 @@ from hknob_cli.specs.quantity import (
     WallDamping,
     WallStiffness,
     Watchdog,
+    declared,
 )
 
 SERIAL, REPLAY = "serial", "replay"

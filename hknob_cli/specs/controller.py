@@ -2,7 +2,6 @@
 
 from typing import Annotated, Any, Literal, NamedTuple
 
-from hknob_cli.specs.declared import declared
 from hknob_cli.specs.quantity import (
     Acceleration,
     Bandwidth,
@@ -12,6 +11,7 @@ from hknob_cli.specs.quantity import (
     Seconds,
     SignedDamping,
     SpeedLimit,
+    declared,
 )
 
 

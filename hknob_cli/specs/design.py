@@ -6,8 +6,6 @@ from pydantic import Discriminator, Field, Tag, ValidationError
 
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.specs.bench import merged
-from hknob_cli.specs.derived import derived_sweep
-from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.grid import AxisError, axis_values
 from hknob_cli.specs.grid import Value as Written
 from hknob_cli.specs.hand import HandSpec, PopulationSpec
@@ -17,10 +15,10 @@ from hknob_cli.specs.perception import Perceive
 from hknob_cli.specs.plan import COUNTS, PERSON, RATE, Axes, Hand, SweepPlan
 from hknob_cli.specs.quantity import Stiffness, Torque
 from hknob_cli.specs.remedies import Label, RemedySpec, beyond, misfit, sets
-from hknob_cli.specs.scene_paths import scalar_field, scalar_paths
+from hknob_cli.specs.scene_paths import faults_of, scalar_field, scalar_paths
 from hknob_cli.specs.source import Path_, Source
 from hknob_cli.specs.stage_plans import Candidate, Choice, DesignPlan, Limit, Option, Value
-from hknob_cli.specs.sweep import Name
+from hknob_cli.specs.sweep import Name, derived_sweep
 
 Cost = Annotated[float, Field(strict=True, ge=0, le=1e12, allow_inf_nan=False)]
 Decibels = Annotated[float, Field(strict=True, ge=-300, le=300, allow_inf_nan=False)]

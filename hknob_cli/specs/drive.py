@@ -11,9 +11,9 @@ when it is shorted: the winding's equation is linear.
 from math import pi
 from typing import Any, NamedTuple
 
-from hknob_cli.specs.declared import Place
 from hknob_cli.specs.motor import Coil, EddyBrake, Motor
 from hknob_cli.specs.parts import Actuator, Finger, Fingerpad, Gear, Hand, Knob, Scene, Wall
+from hknob_cli.specs.quantity import Place
 
 
 def ungeared(scene: Scene) -> Scene:

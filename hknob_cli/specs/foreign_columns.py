@@ -10,9 +10,8 @@ from pydantic_core import PydanticCustomError
 from hknob_cli.errors import Fault
 from hknob_cli.specs.identification import ColumnPlan
 from hknob_cli.specs.part import Part
-from hknob_cli.specs.quantity import Unit
+from hknob_cli.specs.quantity import Unit, to_si
 from hknob_cli.specs.source import Source
-from hknob_cli.specs.units import to_si
 
 ColumnName = Literal[
     "subject",

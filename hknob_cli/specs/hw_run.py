@@ -29,7 +29,6 @@ from hknob_cli.specs.campaign import (
 from hknob_cli.specs.capabilities import PARTS, reason
 from hknob_cli.specs.controller import MODELLED, Controller
 from hknob_cli.specs.drive import driven_faults, limited
-from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.grid import AxisError, AxisSpec, axis_values
 from hknob_cli.specs.motor import EddyBrake, Motor
 from hknob_cli.specs.over_angle import OVER_ANGLE, DeadZone, Detents, EndStops, Profile
@@ -38,7 +37,8 @@ from hknob_cli.specs.parts import Actuator, Encoder
 from hknob_cli.specs.plan import COUNTS, RATE, Axes
 from hknob_cli.specs.pulses import PULSES, PulsePlan, Pulses, plan_pulses
 from hknob_cli.specs.remedies import Label
-from hknob_cli.specs.scene_faults import over_angle_contradictions
+from hknob_cli.specs.scene import over_angle_contradictions
+from hknob_cli.specs.scene_paths import faults_of
 from hknob_cli.specs.source import Source
 from hknob_cli.specs.sweep import Name
 from hknob_cli.specs.tried import BESIDE, TriedSpec, acting_faults, tries_of

@@ -8,19 +8,17 @@ from pydantic import ValidationError
 
 from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.specs import source as yaml
-from hknob_cli.specs.analysis import Case, CaseFile, DfaSpec, PredictSpec
+from hknob_cli.specs.bench import Case, CaseFile, DfaSpec, PredictSpec
 from hknob_cli.specs.cells import cells_over
-from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.grid import MAX_CELLS, Grid
-from hknob_cli.specs.grid_axes import Limit, resolve_axes, too_many
 from hknob_cli.specs.hand import PopulationSpec
 from hknob_cli.specs.messages import closest, shown, unknown
 from hknob_cli.specs.named_file import digest_of
 from hknob_cli.specs.plan import COUNTS, PERSON, RATE, Axes, DfaPlan, Hand, Plan, PredictPlan, SweepPlan
 from hknob_cli.specs.preset import take_preset
-from hknob_cli.specs.refusals import contradictions, refusals
+from hknob_cli.specs.refusals import Limit, contradictions, refusals, resolve_axes, too_many
 from hknob_cli.specs.scene import SceneSpec
-from hknob_cli.specs.scene_paths import axis_unit
+from hknob_cli.specs.scene_paths import axis_unit, faults_of
 from hknob_cli.specs.source import Source
 from hknob_cli.specs.stage_plans import PipelinePlan, StagePlan
 from hknob_cli.specs.sweep import MOST_CELLS, LimitsSpec, SweepSpec

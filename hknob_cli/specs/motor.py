@@ -12,8 +12,7 @@ amplifier takes that away, a voltage amplifier leaves it. Source: Hasser, Chapte
 
 from typing import Annotated, Literal, NamedTuple
 
-from hknob_cli.specs.declared import declared
-from hknob_cli.specs.quantity import Angle, Bounds, Quantity, Torque
+from hknob_cli.specs.quantity import Angle, Bounds, Quantity, Torque, declared
 
 Winding = Literal["shorted", "voltage", "current"]
 

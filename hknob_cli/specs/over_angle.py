@@ -7,8 +7,7 @@ the knob to larger angles.
 from math import isclose, pi
 from typing import Annotated, Literal, NamedTuple
 
-from hknob_cli.specs.declared import declared
-from hknob_cli.specs.quantity import Angle, Bounds, PositiveAngle, SignedTorque, Stiffness, Torque, Width
+from hknob_cli.specs.quantity import Angle, Bounds, PositiveAngle, SignedTorque, Stiffness, Torque, Width, declared
 
 OVER_ANGLE = ("profile", "detents", "end_stops", "dead_zone")  # the keys of a scene
 

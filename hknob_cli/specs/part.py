@@ -6,8 +6,8 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, create_model
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from hknob_cli.specs.declared import Place as Place
-from hknob_cli.specs.declared import is_declared
+from hknob_cli.specs.quantity import Place as Place
+from hknob_cli.specs.quantity import is_declared
 
 
 class Part(BaseModel):

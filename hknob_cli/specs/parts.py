@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Annotated, Literal, NamedTuple
 
 from hknob_cli.specs.controller import Controller
-from hknob_cli.specs.declared import declared
 from hknob_cli.specs.motor import Cogging, Coil, EddyBrake, Motor
 from hknob_cli.specs.over_angle import DeadZone, Detents, EndStops, Profile
 from hknob_cli.specs.quantity import (
@@ -26,6 +25,7 @@ from hknob_cli.specs.quantity import (
     Stiffness,
     Torque,
     Width,
+    declared,
 )
 
 

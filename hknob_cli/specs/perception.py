@@ -3,8 +3,7 @@
 from itertools import pairwise
 from typing import Annotated, Literal, NamedTuple
 
-from hknob_cli.specs.declared import declared
-from hknob_cli.specs.quantity import WHOLE, Bounds, KnobRadius, PositiveHertz, SoundGain
+from hknob_cli.specs.quantity import WHOLE, Bounds, KnobRadius, PositiveHertz, SoundGain, declared
 
 
 @declared()

@@ -7,9 +7,9 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError
 
 from hknob_cli.errors import Fault, SpecError
-from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.messages import unknown
 from hknob_cli.specs.scene import Part
+from hknob_cli.specs.scene_paths import faults_of
 from hknob_cli.specs.source import Source
 from hknob_cli.specs.stage_plans import PipelinePlan, StagePlan
 from hknob_cli.specs.sweep import Name

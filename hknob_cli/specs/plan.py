@@ -9,7 +9,6 @@ from typing import Annotated, Any, NamedTuple
 
 from hknob_cli.specs.campaign import HwRunPlan
 from hknob_cli.specs.controller import Controller as Controller
-from hknob_cli.specs.declared import declared
 from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.identification import SysidPlan
 from hknob_cli.specs.over_angle import DeadZone as DeadZone
@@ -26,7 +25,7 @@ from hknob_cli.specs.parts import Knob as Knob
 from hknob_cli.specs.parts import Scene as Scene
 from hknob_cli.specs.parts import Wall as Wall
 from hknob_cli.specs.perception import Perceive
-from hknob_cli.specs.quantity import PositiveSeconds, SignedTorque
+from hknob_cli.specs.quantity import PositiveSeconds, SignedTorque, declared
 from hknob_cli.specs.squeeze import squeezed
 from hknob_cli.specs.stage_plans import DesignPlan, Preset, RemediesPlan, ReportPlan
 from hknob_cli.specs.unit_points import Points

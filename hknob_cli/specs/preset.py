@@ -14,11 +14,11 @@ from pydantic import Field, ValidationError
 from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.specs import source as yaml
 from hknob_cli.specs.bench import merged
-from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.messages import nearest, shown, unknown
 from hknob_cli.specs.named_file import digest_of
 from hknob_cli.specs.part import Part
 from hknob_cli.specs.plan import COUNTS, RATE
+from hknob_cli.specs.scene_paths import faults_of
 from hknob_cli.specs.source import Path_, Source, dotted, paths_in
 from hknob_cli.specs.stage_plans import Preset, PresetValue
 

@@ -4,16 +4,17 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.specs.campaign import REPLAY, SERIAL, VIRTUAL, Device, Grip, Knob, Limit, Nuisance, device_faults
-from hknob_cli.specs.declared import Place, declared
 from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.quantity import (
     WHOLE,
     Bounds,
     Force,
     Minutes,
+    Place,
     PositiveHertz,
     Quantity,
     Torque,
+    declared,
 )
 from hknob_cli.specs.source import Source
 

@@ -1,15 +1,86 @@
-"""What a value of a spec is held to: bounds, units, whole numbers. Declared beside the value, checked by pydantic.
+"""What a value of a spec is held to: bounds, units, whole numbers; and parts that are declared by such values.
 
-Nothing here loads pydantic before a spec is read, so that the classes that are declared with it stay light.
+Declared beside the value, checked by pydantic. Nothing here loads pydantic before a spec is read, so that the classes
+that are declared with it stay light: the rest of the program uses a part as a named tuple, whose annotations say what
+is read, in which bounds. Where specs are read, pydantic takes a model in its place that `specs.part` makes of it.
+
+Text with a unit, such as ``1 kHz`` and ``19.8 g*cm^2``, becomes an SI number, converted and dimension-checked. pint is
+loaded only when a string with a unit is met.
 """
 
+import re
 from collections.abc import Callable, Iterator
-from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any
+from functools import cache, cached_property
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
 if TYPE_CHECKING:
     from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
     from pydantic_core import CoreSchema
+
+MAX_LENGTH = 60
+_SPELLINGS = str.maketrans({"·": "*", "²": "^2", "³": "^3"})
+
+
+# A number, then unit names with powers below 100, joined by * / ( ) or blanks: pint would evaluate any arithmetic, and
+# a power of a power of a power for ever.
+_TEXT = re.compile(
+    r"\s*(?P<number>[-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?)"
+    r"(?P<unit>(?:\s++|[A-Za-zµμΩ°]++|(?:\^|\*\*)\s*+-?\d{1,2}(?!\d|\s*(?:\^|\*\*|[²³]))"
+    r"|[²³](?!\s*(?:\^|\*\*|[²³]))|[*/·()])*+)"
+)
+_POWER = re.compile(r"squared|cubed|square|cubic|sq|\^|\*\*|[²³]")
+_POWER_WORD = re.compile(r"squared|cubed|square|cubic|sq")
+
+
+@cache
+def _registry() -> Any:
+    import pint
+
+    registry: Any = pint.UnitRegistry()
+    registry.define("newton_meter = newton * meter = Nm")
+    return registry
+
+
+def to_si(text: str, unit: str) -> float:
+    """Convert ``text``, a number with a unit, to ``unit``. Raises `ValueError` with the reason."""
+    match = _TEXT.fullmatch(text) if len(text) <= MAX_LENGTH else None
+    if match is None or (_POWER_WORD.search(match["unit"]) and len(_POWER.findall(match["unit"])) > 1):
+        raise ValueError(f"is not a number with a unit; for example 1.5 {unit}")
+    if not match["unit"].strip():
+        raise ValueError(f"is text; write the number without quotes, or with a unit, as in 1.5 {unit}")
+    factor = _factor(match["unit"].translate(_SPELLINGS), unit)
+    if isinstance(factor, str):
+        raise ValueError(factor)
+    return float(match["number"]) * factor
+
+
+@cache
+def _factor(names: str, unit: str) -> float | str:
+    """By what a number in one unit is multiplied; why it cannot be. Each unit is parsed once, which is slow."""
+    import pint
+
+    registry = _registry()
+    wanted = "dimensionless" if unit == "1" else unit
+    try:
+        units = registry.Quantity(1.0, names).units
+        factor = float(registry.convert(1.0, units, wanted))
+        angle, wanted_angle = _angle_power(names), _angle_power(unit)
+    except pint.UndefinedUnitError as error:
+        unknown = ", ".join(error.unit_names)
+        return f"has an unknown unit '{unknown}'; a number in {unit}, or a unit of its kind"
+    except pint.DimensionalityError as error:
+        return f"is in {error.units1}, which is not a kind of {unit}"
+    except Exception:  # pint parses with Python's tokenizer, and lets out whatever that raises
+        return f"is not a number with a unit; for example 1.5 {unit}"
+    # To pint an angle is a pure number; to a knob 1 rad/s is not 1 Hz. A torque per angle may leave the angle out.
+    if angle != wanted_angle and not (angle == 0 and "N" in unit):
+        return f"is in {units}, which is not a kind of {unit}"
+    return factor
+
+
+def _angle_power(names: str) -> float:
+    """Power of the radian in a unit."""
+    return float(dict(_registry().Quantity(1.0, names).to_root_units().unit_items()).get("radian", 0))
 
 
 class Bounds:
@@ -42,8 +113,6 @@ class Unit:
         if not isinstance(value, str):
             return value
         from pydantic_core import PydanticCustomError
-
-        from hknob_cli.specs.units import to_si
 
         try:
             return to_si(value, self.name)
@@ -140,3 +209,51 @@ SomeSeconds = Annotated[float, Quantity("s", ge=0, le=60)]
 AngleNoise = Annotated[float, Quantity("rad", ge=0, le=0.1)]
 TimeNoise = Annotated[float, Quantity("s", ge=0, le=0.1)]
 Share = Annotated[float, Bounds(strict=True, ge=0, le=0.5)]
+
+
+T = TypeVar("T")
+Place = tuple[str | int, ...]  # of a value in a spec
+
+
+def declared(schema: Any = None, *, unread: tuple[str, ...] = ()) -> Callable[[type[T]], type[T]]:
+    """Let pydantic read a named tuple from a mapping of its keys, and from nothing else.
+
+    A field is annotated with its type, what it is held to (`specs.quantity`) and a text that describes it. A method
+    ``wrong``, if there is one, says what is wrong with the values together; empty if nothing is. ``schema``: what the
+    JSON Schema has besides, or a function that adds to it. ``unread``: fields that are no keys of a spec.
+    """
+
+    def mark(kind: type[T]) -> type[T]:
+        kind.json_schema_extra, kind.unread = schema, unread  # type: ignore[attr-defined]
+        kind.__get_pydantic_core_schema__ = classmethod(_validator)  # type: ignore[attr-defined]
+        return kind
+
+    return mark
+
+
+def is_declared(kind: Any) -> bool:
+    """Whether a type is a part that is declared so."""
+    return isinstance(kind, type) and hasattr(kind, "json_schema_extra") and hasattr(kind, "_fields")
+
+
+@cache
+def unit_at(kind: Any, path: str) -> str:
+    """SI unit of the number at a dotted path of a named tuple, as its annotation says; empty if that has none."""
+    first, _, rest = path.partition(".")
+    hint = get_type_hints(kind, include_extras=True)[first]
+    if rest:
+        return next(unit_at(arm, rest) for arm in _arms(hint) if hasattr(arm, "_fields"))
+    noted = [note for one in (hint, *_arms(hint)) for note in getattr(one, "__metadata__", ())]
+    return next((note.unit for note in noted if hasattr(note, "unit")), "")
+
+
+def _arms(hint: Any) -> tuple[Any, ...]:
+    """What a type is one of; itself, if that is all."""
+    bare = get_args(hint)[0] if get_origin(hint) is Annotated else hint
+    return get_args(bare) or (bare,)
+
+
+def _validator(kind: Any, _: Any, handler: Any) -> Any:
+    from hknob_cli.specs.part import validator_of
+
+    return validator_of(kind, handler)

@@ -18,8 +18,8 @@ from hknob_cli.specs.capabilities import (
 )
 from hknob_cli.specs.capability_reasons import SETS
 from hknob_cli.specs.cells import cells_of
-from hknob_cli.specs.declared import unit_at
 from hknob_cli.specs.plan import COUNTS, RATE, Scene, Starts, SweepPlan, scene_at
+from hknob_cli.specs.quantity import unit_at
 
 _HAND = "Tables 1 to 5 of Hasser's dissertation print"
 

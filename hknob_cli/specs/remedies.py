@@ -11,8 +11,6 @@ from pydantic import Field, ValidationError
 
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.specs.bench import merged
-from hknob_cli.specs.derived import derived_sweep
-from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.grid import MAX_CELLS, AxisError, AxisSpec, Counts, axis_values
 from hknob_cli.specs.hand import HandSpec
 from hknob_cli.specs.messages import nearest
@@ -20,10 +18,10 @@ from hknob_cli.specs.perception import Perceive
 from hknob_cli.specs.plan import COUNTS, JITTERS, PERSON, RATE, Hand, SweepPlan, may_have
 from hknob_cli.specs.quantity import PositiveSeconds, SampleRate, Torque, Velocity
 from hknob_cli.specs.scene import Part
-from hknob_cli.specs.scene_paths import scalar_field, scalar_paths
+from hknob_cli.specs.scene_paths import faults_of, scalar_field, scalar_paths
 from hknob_cli.specs.source import Path_, Source
 from hknob_cli.specs.stage_plans import KNOCKS, RemediesPlan, Remedy, Tuned
-from hknob_cli.specs.sweep import MOST_ROWS, Name
+from hknob_cli.specs.sweep import MOST_ROWS, Name, derived_sweep
 
 # Where what a derived sweep is made of stands in the spec.
 PLACES: dict[Path_, Path_] = {("base",): (), ("perceive",): ("perceive",)}

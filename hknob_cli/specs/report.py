@@ -8,12 +8,11 @@ from pydantic import Field, ValidationError
 
 from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.specs.drawings import Draw
-from hknob_cli.specs.faults import faults_of
-from hknob_cli.specs.named_file import read_named
+from hknob_cli.specs.named_file import as_typed, read_named
 from hknob_cli.specs.scene import Part
+from hknob_cli.specs.scene_paths import faults_of
 from hknob_cli.specs.source import Path_, Source
 from hknob_cli.specs.stage_plans import ChapterPlan, FigurePlan, Listen, ReportPlan, Sentence
-from hknob_cli.specs.standard_input import as_typed
 from hknob_cli.specs.sweep import Name
 
 Text = Annotated[str, Field(min_length=1)]

@@ -17,8 +17,7 @@ from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from ruamel.yaml.scanner import RoundTripScanner, ScannerError
 
 from hknob_cli.errors import Fault, SpecError, UsageError
-from hknob_cli.specs.named_file import MAX_DEPTH, size_limit
-from hknob_cli.specs.standard_input import given, is_stdin
+from hknob_cli.specs.named_file import MAX_DEPTH, given, is_stdin, size_limit
 
 Path_ = tuple[str | int, ...]
 

@@ -14,8 +14,8 @@ from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.plan import COUNTS, RATE
 from hknob_cli.specs.preset import SCENES, Read, read_preset
+from hknob_cli.specs.quantity import to_si
 from hknob_cli.specs.source import parse, parse_value, span_of
-from hknob_cli.specs.units import to_si
 from hknob_cli.stage_table import KINDS, PIPELINE, STAGES
 
 _ROOT = Path(__file__).parents[2]

@@ -6,7 +6,6 @@ from typing import Annotated, Any, Literal, TypeVar
 from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationError
 
 from hknob_cli.errors import Fault, SpecError
-from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.foreign_columns import ColumnName, NameOrColumn, RecordingLimits, plan_columns
 from hknob_cli.specs.identification import MotionPlan, PreparePlan, SysidPlan
 from hknob_cli.specs.part import Part
@@ -20,6 +19,7 @@ from hknob_cli.specs.quantity import (
     Stiffness,
     Torque,
 )
+from hknob_cli.specs.scene_paths import faults_of
 from hknob_cli.specs.source import Source
 from hknob_cli.specs.sweep import Name
 from hknob_cli.specs.virtual_apparatus import StudySpec, VirtualSpec, plan_study

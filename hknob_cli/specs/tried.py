@@ -12,12 +12,12 @@ from hknob_cli.errors import Fault
 from hknob_cli.specs.bench import merged
 from hknob_cli.specs.campaign import Tried, Wall
 from hknob_cli.specs.controller import Controller
-from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.part import Part, Place
 from hknob_cli.specs.parts import Actuator, Encoder
 from hknob_cli.specs.plan import Axes
 from hknob_cli.specs.refusals import NEEDS_A_WALL, controller_faults, device_refusals
 from hknob_cli.specs.remedies import RemedySpec
+from hknob_cli.specs.scene_paths import faults_of
 from hknob_cli.specs.source import Path_, Source
 
 ACTING = ("wall", "controller", "encoder", "actuator")  # keys of the spec that a remedy may change

@@ -2,7 +2,7 @@
 
 - `gather` what is left, how much to hand out at once, and taking in
 - `processes` of this machine and the memory they keep, `cluster` of Dask
-- `forks`: processes of this machine for the tasks of one stage, which are few; its cores
+- `forks`: processes of this machine for the tasks or items of one stage; its cores
 
 A piece, then a part. A long sweep is cut into pieces of consecutive cells, by what the last pieces cost. Who computes
 them (`concurrent.futures`: processes, or Dask) knows a function of two numbers, and returns bytes: the files of the

@@ -1,12 +1,17 @@
-"""The cores of this machine, and processes for the tasks of one stage: forked, each does one task at a time."""
+"""The cores of this machine, and many items or tasks of one stage made by several processes, forked.
+
+A fork does one task at a time, or some items of many that are independent of one another: claims, figures.
+"""
 
 import os
+import pickle
 from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 if TYPE_CHECKING:
     from concurrent.futures import ProcessPoolExecutor
 
+    from hknob_cli.spread.gather import Range
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -80,3 +85,49 @@ class Forked:
     def __exit__(self, kind: object, *_: object) -> None:
         """End the processes."""
         self._forks.__exit__(kind)
+
+
+Progress = Callable[[int, int], None]
+
+
+def by_processes(
+    make: Callable[[int, int], bytes],
+    total: int,
+    *,
+    jobs: int,
+    first: int,
+    most: int,
+    name: "Callable[[Range], str]",
+    progress: Progress = lambda _done, _total: None,
+) -> list[Any]:
+    """What ``make`` makes of items 0 to ``total``, in order; it pickles a list of what it makes of some of them.
+
+    Args:
+        make: takes the first item and the one after the last. What it raises is raised here.
+        total: how many items there are.
+        jobs: processes; with one, all is made in this one.
+        first: items that a process is given at first.
+        most: items that it is given at once.
+        name: what to call items where a process dies of them.
+        progress: told how many of how many are made.
+    """
+    found: list[Any] = [None] * total
+    made = 0
+
+    def deliver(start: int, stop: int, data: bytes) -> None:
+        nonlocal made
+        found[start:stop] = pickle.loads(data)
+        made += stop - start
+        progress(made, total)
+
+    if min(jobs, total) <= 1:
+        for number in range(total):
+            deliver(number, number + 1, make(number, number + 1))
+        return found
+    from hknob_cli.spread.gather import Pace, Ranges, gather
+    from hknob_cli.spread.processes import Processes
+    from hknob_cli.terminal import heed
+
+    workers = Processes(make, min(jobs, total))
+    gather(workers, Ranges(total), deliver, tick=heed, pace=Pace(first=first, most=most), name=name)
+    return found

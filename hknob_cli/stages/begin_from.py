@@ -15,8 +15,8 @@ from hknob_cli.specs import source as yaml
 from hknob_cli.specs.bench import merged
 from hknob_cli.specs.load import apply_overrides, load, validate
 from hknob_cli.specs.messages import unknown
+from hknob_cli.specs.named_file import is_stdin
 from hknob_cli.specs.plan import COUNTS, RATE, Hand, Scene, SweepPlan
-from hknob_cli.specs.standard_input import is_stdin
 from hknob_cli.theory.staircase import best_keep, slowness
 
 FROM = ("sweep", "remedies")  # kinds that a spec can begin from

@@ -11,8 +11,7 @@ from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import Axes, Cell, Scene, SweepPlan, is_unpushed, may_have, scene_at
 from hknob_cli.specs.remarks import not_proven, unusual
 from hknob_cli.stage_table import STAGES, loaded
-from hknob_cli.stages.grid_words import grid_lines, size, starts_lines, who
-from hknob_cli.stages.hw_run.explained import explained_campaign
+from hknob_cli.stages.explain_parts import explained_campaign, grid_lines, size, starts_lines, who
 from hknob_cli.stages.work import counted
 
 _UNPUSHED = "nothing pushes the knob into the wall: where it rests, it may buzz under a push"

@@ -181,7 +181,7 @@ class PerceivingWork(Work):
         """Digest of the thresholds by name."""
         if job.plan.perceive is None:
             return {}
-        from hknob_cli.perception.published import data_digest
+        from hknob_cli.perception.level import data_digest
 
         return {"perception_sha256": data_digest()}
 
@@ -189,7 +189,7 @@ class PerceivingWork(Work):
         """The files of those thresholds, too."""
         if job.plan.perceive is None:
             return super().input_files(job)
-        from hknob_cli.perception.published import data_files
+        from hknob_cli.perception.level import data_files
 
         return (*super().input_files(job), *data_files())
 

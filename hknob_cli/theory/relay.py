@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.engine.turning import first_zero, zero_spacing
-from hknob_cli.scene.sampled_knob import SampledKnob
+from hknob_cli.scene.plain_knob import SampledKnob
 from hknob_cli.theory.attached import Attached
 
 Array = NDArray[np.float64]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hknob_cli.apparatus.bench_rigs import (
+from hknob_cli.apparatus.experiment import (
     POSITIONS_M,
     cell_sensitivity,
     record_apparatus,
@@ -11,7 +11,7 @@ from hknob_cli.apparatus.bench_rigs import (
     record_motor_calibration,
     setups,
 )
-from hknob_cli.apparatus.rig import Rig
+from hknob_cli.apparatus.hand_recording import Rig
 from hknob_cli.errors import UsageError
 
 

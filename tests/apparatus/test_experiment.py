@@ -6,13 +6,11 @@ import numpy as np
 import pytest
 
 from hknob_cli.apparatus.experiment import Schedule, record_experiments
-from hknob_cli.apparatus.hand_recording import Pulse, peak_per_torque, record_trial, scaled_pulse, squeeze
+from hknob_cli.apparatus.hand_recording import Pulse, Rig, peak_per_torque, record_trial, scaled_pulse, squeeze
 from hknob_cli.apparatus.people import EXPERIMENTS, Variation, grips, mean_hand
-from hknob_cli.apparatus.rig import Rig
-from hknob_cli.apparatus.streams import Purpose, stream
 from hknob_cli.errors import UsageError
 from hknob_cli.printed.tables import apparatus_inertia
-from hknob_cli.recordings.trial import Key, Trial
+from hknob_cli.recordings.trial import Key, Purpose, Trial, stream
 from tests.apparatus.reference import pulse_response
 from tests.apparatus.truths import truths
 

@@ -6,9 +6,8 @@ from scipy.signal import cont2discrete
 
 from hknob_cli.apparatus.experiment import Schedule, record_experiments
 from hknob_cli.apparatus.hand import SecondOrder
-from hknob_cli.apparatus.hand_recording import binary_sequence, runs, scaled_input, unit_input
+from hknob_cli.apparatus.hand_recording import Rig, binary_sequence, runs, scaled_input, unit_input
 from hknob_cli.apparatus.people import Variation, mean_hand
-from hknob_cli.apparatus.rig import Rig
 from hknob_cli.identify.output_error import output_error
 from hknob_cli.identify.prepare import Preparation, conditions
 from hknob_cli.page.claims.checks import compute

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.apparatus.experiment import Schedule, record_experiments
-from hknob_cli.apparatus.rig import Rig
+from hknob_cli.apparatus.hand_recording import Rig
 from hknob_cli.recordings.trial import Trial
 from tests.apparatus import spoil
 

@@ -5,11 +5,10 @@ from math import log2
 import numpy as np
 import pytest
 
-from hknob_cli.baselines import kernels
+from hknob_cli.baselines import fixed_step
 from hknob_cli.baselines.catalogue import Setting
 from hknob_cli.baselines.fixed_step import METHODS, ORDER, FixedStep, compiled
-from hknob_cli.baselines.model import Controller
-from hknob_cli.baselines.run import Deadline, follow
+from hknob_cli.baselines.model import Controller, Deadline, follow
 from hknob_cli.specs.plan import Actuator, Bias, Encoder, Finger, Fingerpad, Hand, Knob, Wall
 from tests.baselines.trials import INERTIA, by, by_digits60, trial
 
@@ -51,7 +50,7 @@ def test_friction_holds_and_stops(method: str) -> None:
 def test_compiled_is_interpreted() -> None:
     a = np.array([[0.0, 1.0], [-2e4, -150.0]])
     r, y, z = np.array([0.0, 800.0]), np.array([0.01, -1.0]), np.array([0.01, -1.0])
-    kernels.rk4(a, r, 5.0, y, 1e-4, 50, NONE)
+    fixed_step.rk4(a, r, 5.0, y, 1e-4, 50, NONE)
     compiled("rk4")[0](a, r, 5.0, z, 1e-4, 50, NONE)
     assert z == pytest.approx(y, rel=1e-12)
 

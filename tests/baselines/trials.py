@@ -4,7 +4,7 @@ from typing import Any
 
 from hknob_cli.baselines.catalogue import Setting, run_rival
 from hknob_cli.baselines.digits60 import Digits60, context
-from hknob_cli.baselines.run import Deadline, follow
+from hknob_cli.baselines.model import Deadline, follow
 from hknob_cli.specs.plan import BenchScene, Encoder, Knob, Scene, Wall
 
 INERTIA, STIFFNESS, PERIOD, COUNTS = 2e-6, 0.3, 1e-3, 1000

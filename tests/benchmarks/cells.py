@@ -27,7 +27,7 @@ from hknob_cli.engine.budget import TrialBudget, prospect
 from hknob_cli.engine.ensemble import ROW, TrialRoom, first_sample
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.loop import Loop
-from hknob_cli.scene.sampled_knob import sample_knob
+from hknob_cli.scene.plain_knob import sample_knob
 from hknob_cli.specs.cells import Cells, cells_of
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.plan import COUNTS, RATE, SweepPlan, scene_at

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from hknob_cli.engine.loop import drive_of
 from hknob_cli.engine.propagator import hold_coefficients
-from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
+from hknob_cli.scene.plain_knob import SampledKnob, sample_knob
 from hknob_cli.specs.plan import Scene
 from hknob_cli.specs.scene import SceneSpec
 

@@ -17,10 +17,10 @@ import pyarrow.parquet as pq
 from record import put
 
 from hknob_cli.apparatus.experiment import Schedule, record_experiments
-from hknob_cli.apparatus.rig import Rig
+from hknob_cli.apparatus.hand_recording import Rig
+from hknob_cli.recordings.files import table
 from hknob_cli.recordings.read import read
 from hknob_cli.recordings.trial import Trial
-from hknob_cli.recordings.write import table
 from hknob_cli.specs.load import load
 from hknob_cli.stages.sysid.run import SysidStage
 

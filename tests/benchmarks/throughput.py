@@ -39,7 +39,7 @@ from hknob_cli.engine.attractors import Engine, Search
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.loop import Loop
 from hknob_cli.measure.orbit import Measurer
-from hknob_cli.scene.sampled_knob import SampledKnob
+from hknob_cli.scene.plain_knob import SampledKnob
 
 Seconds = dict[str, list[float]]
 

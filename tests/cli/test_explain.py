@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from hknob_cli.cli.explain import _explained
+from hknob_cli.cli.check import _explained
 from hknob_cli.report.scene_words import as_data, explained_text
 from hknob_cli.specs.load import load
 from hknob_cli.specs.starter import starter

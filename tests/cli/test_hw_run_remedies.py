@@ -13,7 +13,7 @@ import pytest
 
 from hknob_cli.hardware.control import control_of
 from hknob_cli.hardware.order import settings_of, trials_of
-from hknob_cli.hardware.wire.acts import pack_control
+from hknob_cli.hardware.wire.codes import pack_control
 from tests.conftest import EXPERIMENTS, Command
 from tests.forked import Forks
 from tests.hardware.campaigns import SPEC, planned

@@ -8,10 +8,10 @@ import pyarrow.parquet as pq
 import pytest
 
 from hknob_cli.apparatus.experiment import Schedule, record_experiments
-from hknob_cli.apparatus.rig import Rig
+from hknob_cli.apparatus.hand_recording import Rig
 from hknob_cli.figures.identification import draw_hands
+from hknob_cli.recordings.files import write_csv
 from hknob_cli.recordings.trial import Trial
-from hknob_cli.recordings.write import write_csv
 from tests.apparatus import spoil
 from tests.apparatus.truths import truths
 from tests.conftest import SPEC

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import curve_fit
 from scipy.signal import StateSpace, lsim
 
-from hknob_cli.identify.finger_network import network, respond_fourth, split
+from hknob_cli.identify.fourth_order import network, respond_fourth, split
 from hknob_cli.identify.motion import Motion
 from hknob_cli.identify.output_error import output_error
 from hknob_cli.identify.second_order import Plant, respond

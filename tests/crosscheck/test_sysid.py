@@ -15,8 +15,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import least_squares
 
 from hknob_cli.apparatus.experiment import Schedule, record_experiments
-from hknob_cli.apparatus.rig import Rig
-from hknob_cli.recordings.write import table
+from hknob_cli.apparatus.hand_recording import Rig
+from hknob_cli.recordings.files import table
 
 BEFORE, AFTER, REST = 20, 300, 200  # samples at 10 kHz: 2 ms before the onset, 30 ms after it, 20 ms of rest
 RELATIVE, ABSOLUTE, STEP = 1e-11, 1e-14, 1e-3

@@ -11,7 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from hknob_cli.measure.unsampled import events
-from hknob_cli.scene.unsampled_knob import reduce_unsampled
+from hknob_cli.scene.plain_knob import reduce_unsampled
 from hknob_cli.specs.scene import SceneSpec
 
 WITHIN_RAD = 1e-9

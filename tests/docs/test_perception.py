@@ -6,7 +6,7 @@ from math import log10
 import numpy as np
 import pandas as pd
 
-from hknob_cli.perception.published import published
+from hknob_cli.perception.level import published
 from hknob_cli.perception.touch import detection_threshold
 from tests.conftest import EXPERIMENTS, swept
 

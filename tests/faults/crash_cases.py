@@ -84,11 +84,11 @@ def command() -> Any:
     """What ``hknob`` calls, with stages run in this process."""
     from typer.main import get_command
 
-    from hknob_cli.cli import stages
+    from hknob_cli.cli import app as commands
     from hknob_cli.cli.app import app
     from hknob_cli.cli.stage_run import run_stage
 
-    stages.submit = run_stage  # type: ignore[attr-defined]
+    commands.submit = run_stage  # type: ignore[attr-defined]
     return get_command(app)
 
 
@@ -131,7 +131,7 @@ def hear_results(told: Told) -> None:
 def hear_cells(told: Told) -> None:
     """Cells of a sweep, and from whom they come."""
     shrink()
-    from hknob_cli.stages.sweep import spread
+    from hknob_cli.stages.sweep import assembly
     from hknob_cli.stages.sweep.assembly import Assembly
 
     hear_results(told)
@@ -142,13 +142,13 @@ def hear_cells(told: Told) -> None:
         return lambda _found: [told.done(cell) for cell in cells]  # type: ignore[func-returns-value,return-value]
 
     hear(Assembly, "take", take)
-    plain = spread.gather
+    plain = assembly.gather
 
     def gather(crew: Crew, *args: Any, **kwargs: Any) -> None:
         with at_work(crew):
             plain(crew, *args, **kwargs)
 
-    spread.gather = gather  # type: ignore[assignment]
+    assembly.gather = gather  # type: ignore[assignment]
     found: dict[tuple[bytes, int, int], bytes] = {}  # what a piece is does not depend on the disk
 
     def workers(_job: Any, _stage: Any, finder: Any, _notify: Any) -> Crew:
@@ -160,7 +160,7 @@ def hear_cells(told: Told) -> None:
 
         return Crew(find, told.crew, most_faults=5)
 
-    spread._workers = workers  # type: ignore[assignment]
+    assembly._workers = workers  # type: ignore[assignment]
 
 
 def hear_trials(told: Told) -> None:
@@ -245,7 +245,7 @@ def prepare_others(out: Path, told: Told) -> None:
 
 def begin_anew(out: Path, _seed: int, told: Told) -> int:
     """What ``--force`` does with recordings of a device."""
-    from hknob_cli.hardware.sources import move_to_earlier
+    from hknob_cli.hardware.journal import move_to_earlier
     from hknob_cli.results.store import hold
 
     def act() -> None:

@@ -30,11 +30,11 @@ from typing import NamedTuple
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from hknob_cli.engine.kept_code import _file_class
-from hknob_cli.hardware.sources import read_about
+from hknob_cli.hardware.journal import read_about
 from hknob_cli.hardware.trial_file import read_trial
 from hknob_cli.pipeline.fresh import RECORD
 from hknob_cli.pipeline.verify import Verdict, _file
-from hknob_cli.results.staging import Staging
+from hknob_cli.results.files import Staging
 from hknob_cli.results.store import are_current, read_current
 from hknob_cli.specs.seal import State, state_of
 from tests.conftest import SPEC

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from hknob_cli.specs import units
-from hknob_cli.specs.units import to_si
+from hknob_cli.specs import quantity
+from hknob_cli.specs.quantity import to_si
 
 LONG = "n" * 260
 
@@ -41,10 +41,10 @@ def test_names_that_no_file_can_have(hknob, spec_file, tmp_path: Path) -> None:
 
 
 def test_each_unit_is_parsed_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    units._factor.cache_clear()
+    quantity._factor.cache_clear()
     asked = []
-    registry = units._registry()
-    monkeypatch.setattr(units, "_registry", lambda: asked.append(1) or registry)
+    registry = quantity._registry()
+    monkeypatch.setattr(quantity, "_registry", lambda: asked.append(1) or registry)
     texts = [f"{i} mN*m/rad" for i in range(1000)]
     found = [to_si(text, "N*m/rad") for text in texts]
     assert found == [float(registry.Quantity(float(i), "mN*m/rad").to("N*m/rad").magnitude) for i in range(1000)]
@@ -52,4 +52,4 @@ def test_each_unit_is_parsed_once(monkeypatch: pytest.MonkeyPatch) -> None:
     for _ in range(2):
         with pytest.raises(ValueError, match="unknown unit 'foo'"):
             to_si("1 foo", "N")
-    assert units._factor.cache_info().misses == 2
+    assert quantity._factor.cache_info().misses == 2

@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 from hknob_cli.errors import RefusedError
-from hknob_cli.results.files import create, make_folder, refuse_link
-from hknob_cli.results.staging import Staging
+from hknob_cli.results.files import Staging, create, make_folder, refuse_link
 from tests.conftest import SPEC
 
 PRECIOUS = b"what is not of these results"

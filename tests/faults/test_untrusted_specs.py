@@ -12,8 +12,8 @@ from hknob_cli.recordings.files import NotReadableError, RecordingFile, read_col
 from hknob_cli.results.files import digest
 from hknob_cli.results.parted import read_result, result_schema
 from hknob_cli.specs import named_file
+from hknob_cli.specs.quantity import to_si
 from hknob_cli.specs.source import parse, read
-from hknob_cli.specs.units import to_si
 from tests.conftest import SPEC, faults_of
 
 

@@ -21,8 +21,7 @@ from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.port import Block, Control, Converters, OverAngle, Pulse, PulseOrder, Settings, Sine
 from hknob_cli.hardware.serial_device import SerialDevice
 from hknob_cli.hardware.wire import pump
-from hknob_cli.hardware.wire.acts import Piece, Table
-from hknob_cli.hardware.wire.codes import ALL_LAWS, Kind, Law, State, Trip
+from hknob_cli.hardware.wire.codes import ALL_LAWS, Kind, Law, Piece, State, Table, Trip
 from hknob_cli.hardware.wire.commands import Plain
 from hknob_cli.hardware.wire.messages import MOST_STUFFED_BYTES, Decoder, body_of, encode, frame
 from hknob_cli.hardware.wire.session import Session

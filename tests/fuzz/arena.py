@@ -108,8 +108,8 @@ class Arena:
 
     def _readings(self) -> None:
         """Of the motor and of the grip cell, before their calibration."""
-        from hknob_cli.apparatus.bench_rigs import record_grip_cell, record_motor_calibration
-        from hknob_cli.apparatus.rig import Rig
+        from hknob_cli.apparatus.experiment import record_grip_cell, record_motor_calibration
+        from hknob_cli.apparatus.hand_recording import Rig
 
         motor: Any = record_motor_calibration(Rig(), seed=1)
         for name, found in (("motor", motor), ("grip_cell", record_grip_cell(seed=1))):

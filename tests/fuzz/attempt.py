@@ -93,14 +93,14 @@ class _Stream(io.TextIOWrapper):
 
 def _run(arguments: list[str]) -> int:
     """The command's exit code; a job goes through a pickle, as from the process that parses to the one that works."""
-    from hknob_cli.cli import stages
+    from hknob_cli.cli import app as commands
     from hknob_cli.cli.stage_run import run_stage
     from hknob_cli.terminal import reporting
 
     def submit(job: Any) -> None:
         run_stage(pickle.loads(pickle.dumps(job)))
 
-    before, stages.submit = stages.submit, submit  # type: ignore[attr-defined]
+    before, commands.submit = commands.submit, submit  # type: ignore[attr-defined]
     try:
         with reporting():
             _command()(arguments, prog_name="hknob")
@@ -110,7 +110,7 @@ def _run(arguments: list[str]) -> int:
         print(leaving.code, file=sys.stderr)
         return 1
     finally:
-        stages.submit = before  # type: ignore[attr-defined]
+        commands.submit = before  # type: ignore[attr-defined]
     return 0
 
 

@@ -7,10 +7,10 @@ import numpy as np
 
 from hknob_cli.hardware.port import Block
 from hknob_cli.hardware.wire.answers import About, Ack, Event, Samples
-from hknob_cli.hardware.wire.block_order import MOST_AHEAD
 from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
 from hknob_cli.hardware.wire.commands import Alive, Command, Configure, Plain, Simulate
 from hknob_cli.hardware.wire.messages import Decoder, Message, decode, encode, frame
+from hknob_cli.hardware.wire.sending import MOST_AHEAD
 from hknob_cli.hardware.wire.session import Session
 from tests.fuzz.arena import Arena
 from tests.fuzz.attempt import Attempt

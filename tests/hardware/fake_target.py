@@ -18,9 +18,8 @@ from typing import Any, Self
 import numpy as np
 
 from hknob_cli.hardware.port import Block, Settings, Simulated
-from hknob_cli.hardware.wire.acts import UNPACK_ACT
 from hknob_cli.hardware.wire.answers import Abilities, About, Ack, Event, Samples
-from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
+from hknob_cli.hardware.wire.codes import UNPACK_ACT, Kind, State, Status, Trip
 from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, SetAct, Simulate
 from hknob_cli.hardware.wire.messages import Decoder, Message, decode, encode, frame
 

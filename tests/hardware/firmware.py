@@ -14,9 +14,8 @@ import pytest
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.port import Control, Converters, Pulse, Settings, Simulated, Squeeze
 from hknob_cli.hardware.reference_target import ARITHMETIC, PORTABLE, SOURCES, STRICT, compiler
-from hknob_cli.hardware.wire.acts import Piece
 from hknob_cli.hardware.wire.answers import Ack, Event, Samples
-from hknob_cli.hardware.wire.codes import Kind, State
+from hknob_cli.hardware.wire.codes import Kind, Piece, State
 from hknob_cli.hardware.wire.commands import Plain
 from hknob_cli.hardware.wire.messages import Decoder, Message, decode, encode, frame
 

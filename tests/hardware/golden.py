@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from hknob_cli.hardware.port import Block, Control, Converters, Pulse, Settings, Simulated, Sine, Squeeze
-from hknob_cli.hardware.wire.acts import Piece, Table
 from hknob_cli.hardware.wire.answers import Abilities, About, Ack, Event, Samples
-from hknob_cli.hardware.wire.codes import Kind, Law, State, Status, Trip
+from hknob_cli.hardware.wire.codes import Kind, Law, Piece, State, Status, Table, Trip
 from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, SetAct, Simulate, Zero
 from hknob_cli.hardware.wire.messages import Message, encode, frame
 

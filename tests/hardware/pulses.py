@@ -37,7 +37,7 @@ def campaign(out: Path, plan: PulsePlan, device: VirtualDevice | None = None, **
     """A campaign in a folder, on a device of its plan where none is given."""
     from functools import partial
 
-    from hknob_cli.hardware.drivers import opened
+    from hknob_cli.hardware.campaign import opened
 
     archive = Archive(out, identity="one", is_source=False, stamp=b"{}")
     given = (lambda stack: stack.enter_context(device)) if device else partial(opened, plan)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.wire.answers import Samples
-from hknob_cli.hardware.wire.block_order import ASK_EVERY_S, GAP_PATIENCE_S, MOST_AHEAD, BlockOrder
+from hknob_cli.hardware.wire.sending import ASK_EVERY_S, GAP_PATIENCE_S, MOST_AHEAD, BlockOrder
 from tests.hardware.fake_target import made_up
 
 BOOT, RUN, SIZE = 7, 9, 5

@@ -4,7 +4,7 @@ import pytest
 
 from hknob_cli.hardware.port import Drift
 from hknob_cli.hardware.wire.answers import Samples
-from hknob_cli.hardware.wire.block_order import ASK_EVERY_S, GAP_PATIENCE_S, MOST_AHEAD, BlockOrder, HostClock
+from hknob_cli.hardware.wire.sending import ASK_EVERY_S, GAP_PATIENCE_S, MOST_AHEAD, BlockOrder, HostClock
 from tests.hardware.fake_target import made_up
 
 BOOT, RUN, SIZE = 7, 9, 5

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from hknob_cli.errors import DeviceError, RefusedError, UsageError
+from hknob_cli.hardware.journal import move_to_earlier, spec_digest
 from hknob_cli.hardware.order import settings_of, trials_of
 from hknob_cli.hardware.port import Block
-from hknob_cli.hardware.sources import move_to_earlier, spec_digest
 from hknob_cli.hardware.trial_file import read_trial
 from hknob_cli.hardware.trial_run import Nobody, View, Wish
-from hknob_cli.hardware.wire.block_order import GAP_PATIENCE_S
+from hknob_cli.hardware.wire.sending import GAP_PATIENCE_S
 from hknob_cli.hardware.wire.session import SIMULATED_SILENCE_S
 from hknob_cli.recordings.read import read
 from tests.hardware.campaigns import REMEDIES, SPEC, Faulty, campaign, planned

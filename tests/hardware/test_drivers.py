@@ -1,9 +1,9 @@
-"""Tests of `hknob_cli.hardware.drivers`."""
+"""Tests of `hknob_cli.hardware.campaign`."""
 
 import pytest
 
 from hknob_cli.errors import SpecError
-from hknob_cli.hardware.drivers import check_persons
+from hknob_cli.hardware.campaign import check_persons
 from tests.hardware.campaigns import SPEC, planned
 
 

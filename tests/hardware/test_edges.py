@@ -11,21 +11,19 @@ import numpy as np
 import pytest
 
 from hknob_cli.errors import UsageError
-from hknob_cli.hardware.control import ShapedWall, over_angle_of
-from hknob_cli.hardware.grip_trigger import GripTrigger, Phase
+from hknob_cli.hardware.control import GripTrigger, Phase, ShapedWall, over_angle_of
+from hknob_cli.hardware.journal import ABOUT, read_about
 from hknob_cli.hardware.knob_motion import LATEST, Disturbances, Nuisances
 from hknob_cli.hardware.order import USUAL_GRIP_N, settings_of, trials_of
 from hknob_cli.hardware.person import Person, _push
 from hknob_cli.hardware.port import ROUNDINGS, Block, Converters, OverAngle, PulseOrder, Sine
 from hknob_cli.hardware.ranges import faults_of_settings, faults_of_simulated
-from hknob_cli.hardware.sources import ABOUT, read_about
 from hknob_cli.hardware.trial_file import about_pulse, joined
 from hknob_cli.hardware.trial_phases import Ended, PulsePhases
 from hknob_cli.hardware.trial_wall import MOST, NONE, Conversion, Slot, converters_of, room_of, slots_of
-from hknob_cli.hardware.wire.acts import HAND as HAND_OF_WIRE
-from hknob_cli.hardware.wire.acts import MOST_HANDS, MOST_SINES, SINE, SQUEEZE, unpack_squeeze
 from hknob_cli.hardware.wire.answers import BLOCK, LOOKS, _unpack_block
-from hknob_cli.hardware.wire.codes import Kind
+from hknob_cli.hardware.wire.codes import HAND as HAND_OF_WIRE
+from hknob_cli.hardware.wire.codes import MOST_HANDS, MOST_SINES, SINE, SQUEEZE, Kind, unpack_squeeze
 from hknob_cli.hardware.wire.messages import Decoder, Unread, frame, is_message, nobody_text
 from hknob_cli.specs.campaign import Effects
 from hknob_cli.specs.over_angle import EndStops

@@ -14,8 +14,7 @@ from hknob_cli.hardware.ranges import MOST_OVER_ANGLE, faults_of_settings
 from hknob_cli.hardware.safety import LimitMonitor
 from hknob_cli.hardware.serial_device import SerialDevice
 from hknob_cli.hardware.virtual import IDENTITY
-from hknob_cli.hardware.wire.acts import MOST_TORQUES, Piece, pieces_of
-from hknob_cli.hardware.wire.codes import Kind, State, Status
+from hknob_cli.hardware.wire.codes import MOST_TORQUES, Kind, Piece, State, Status, pieces_of
 from hknob_cli.hardware.wire.commands import Alive, Configure, SetAct
 from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.specs.campaign import Effects

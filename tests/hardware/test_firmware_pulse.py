@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.grip_trigger import GripTrigger, Phase, pulse_of
+from hknob_cli.hardware.control import GripTrigger, Phase, pulse_of
 from hknob_cli.hardware.order import settings_of, trials_of
 from hknob_cli.hardware.person import squeezer
 from hknob_cli.hardware.port import Block, PulseOrder, Simulated

@@ -9,8 +9,7 @@ from pathlib import Path
 import pytest
 
 from hknob_cli.hardware.port import Control, Converters, Pulse, Squeeze
-from hknob_cli.hardware.wire.acts import Piece, Table
-from hknob_cli.hardware.wire.codes import Kind
+from hknob_cli.hardware.wire.codes import Kind, Piece, Table
 from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, SetAct, Simulate
 from hknob_cli.hardware.wire.messages import body_of, encode, frame
 from tests.conftest import ROOT

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hknob_cli.hardware.grip_trigger import GripTrigger, Phase
+from hknob_cli.hardware.control import GripTrigger, Phase
 from hknob_cli.hardware.port import PulseOrder
 
 DT = 1e-3

@@ -13,8 +13,8 @@ from hknob_cli.errors import DeviceError, UsageError
 from hknob_cli.hardware.port import Block, Settings
 from hknob_cli.hardware.replay import FINEST, ReplayDevice, read_takes
 from hknob_cli.recordings.columns import KEYS, SAMPLES
+from hknob_cli.recordings.files import table
 from hknob_cli.recordings.trial import Key, Trial
-from hknob_cli.recordings.write import table
 from tests.hardware.trials import ALIGNED, HAND, joined, settings, take, virtual_trial
 
 CELLS = [(1000, 512), (1000, 1024), (2000, 512)]

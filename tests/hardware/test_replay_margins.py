@@ -23,8 +23,8 @@ from hknob_cli.hardware.replay import (
     is_of_wall,
     read_takes,
 )
+from hknob_cli.recordings.files import table
 from hknob_cli.recordings.trial import Key, Trial
-from hknob_cli.recordings.write import table
 from tests.hardware.trials import settings
 
 NATIVE = 1000  # counts of both encoders

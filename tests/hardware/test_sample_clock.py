@@ -22,7 +22,7 @@ from hknob_cli.hardware.sample_clock import (
     histogram,
     jitter_of,
 )
-from hknob_cli.hardware.wire.block_order import HostClock
+from hknob_cli.hardware.wire.sending import HostClock
 from tests.hardware.trials import settings, virtual_trial
 
 

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from hknob_cli.errors import DeviceError, SpecError, UsageError
-from hknob_cli.hardware import drivers, journal, order, person, ranges, trial_run
+from hknob_cli.hardware import campaign as campaign_module
+from hknob_cli.hardware import journal, order, person, ranges, trial_run
 from hknob_cli.hardware.archive import Archive
 from hknob_cli.hardware.campaign import GO_ON, IN_VAIN, UNSAFE, Campaign
-from hknob_cli.hardware.control import ControlledWall, ShapedWall, looks_of, over_angle_of
-from hknob_cli.hardware.grip_trigger import pulse_of
-from hknob_cli.hardware.journal import Journal, packed, read_journal
+from hknob_cli.hardware.control import ControlledWall, ShapedWall, looks_of, over_angle_of, pulse_of
+from hknob_cli.hardware.journal import ABOUT, RECORDING, Journal, packed, read_journal, source_digests
 from hknob_cli.hardware.knob_motion import PATIENCE, KnobMotion, Nuisances
 from hknob_cli.hardware.order import key_of, settings_of, trials_of
 from hknob_cli.hardware.person import (
@@ -32,7 +32,6 @@ from hknob_cli.hardware.person import (
 from hknob_cli.hardware.port import Drift, OverAngle, PulseOrder, Sine, Squeeze, Torque
 from hknob_cli.hardware.pulse_loop import PulsedKnob, PulseLoop
 from hknob_cli.hardware.ranges import faults_of_settings
-from hknob_cli.hardware.sources import ABOUT, RECORDING, source_digests
 from hknob_cli.hardware.tables import _fired_s, _pulse, _pulse_doubts, _torque_hz, campaign_tables, pulse_tables
 from hknob_cli.hardware.trial_file import Recorded, Samples, _more, joined, read_trial, write_trial
 from hknob_cli.hardware.trial_phases import Ended, PulsePhases
@@ -698,15 +697,15 @@ def test_nobody_is_asked_to_hold_a_knob_as_nobody_can(monkeypatch: pytest.Monkey
 
         return who
 
-    monkeypatch.setattr(drivers, "who_of", who_of)
+    monkeypatch.setattr(campaign_module, "who_of", who_of)
     plan = campaigns.planned()
     for driver, target, asked in (("virtual", None, True), ("serial", "host", True), ("serial", None, False)):
         given = plan._replace(device=plan.device._replace(driver=driver, target=target))
         if asked:
             with pytest.raises(SpecError, match="no such hand"):
-                drivers.check_persons(given)
+                campaign_module.check_persons(given)
         else:
-            drivers.check_persons(given)
+            campaign_module.check_persons(given)
 
 
 def test_a_record_may_be_as_long_as_the_longest(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,7 +11,7 @@ from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.laws.law import TORQUE
 from hknob_cli.engine.general.laws.step import advance_with_law, begin_past, decide
 from hknob_cli.errors import SpecError
-from hknob_cli.hardware.drivers import opened, who_of
+from hknob_cli.hardware.campaign import opened, who_of
 from hknob_cli.hardware.order import settings_of, trials_of
 from hknob_cli.printed.tables import grasps
 from hknob_cli.specs.campaign import HwRunPlan

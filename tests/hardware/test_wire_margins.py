@@ -17,12 +17,11 @@ from hknob_cli.hardware.port import Sine, Torque
 from hknob_cli.hardware.ranges import LONGEST_BLOCK_S, faults, faults_of_simulated
 from hknob_cli.hardware.virtual import IDENTITY
 from hknob_cli.hardware.wire.answers import Abilities, About, Ack, Event
-from hknob_cli.hardware.wire.block_order import BlockOrder
 from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
 from hknob_cli.hardware.wire.commands import MOST_SINES, Alive, Plain, Simulate, pack_simulated, unpack_simulated
 from hknob_cli.hardware.wire.messages import Decoder, decode, encode, frame, is_message, unread_of
 from hknob_cli.hardware.wire.pump import Pump
-from hknob_cli.hardware.wire.sending import differences, shows_torque
+from hknob_cli.hardware.wire.sending import BlockOrder, differences, shows_torque
 from hknob_cli.hardware.wire.session import Session
 from tests.hardware.fake_target import Manners, made_up
 from tests.hardware.golden import SETTINGS, SIMULATED

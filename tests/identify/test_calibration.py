@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from hknob_cli.identify.calibration import grip_cell, motor
+from hknob_cli.identify.identified import grip_cell, motor
 
 FORCE = np.array([0.0, 1.0, 2.0, 3.0])
 

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from hknob_cli.identify.finger_network import (
+from hknob_cli.identify.fourth_order import (
     FINGER_INERTIA,
     ORDER,
+    fourth_order,
     network,
     respond_fourth,
     respond_with_slopes,
     split,
 )
-from hknob_cli.identify.fourth_order import fourth_order
 from hknob_cli.identify.motion import Motion
 from tests.identify.pulses import propagate, pulse
 

@@ -13,7 +13,7 @@ from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.general_orbit import GeneralMeasurer
 from hknob_cli.measure.orbit import Measurer, OrbitMeasures
 from hknob_cli.scene.general_knob import sample_general
-from hknob_cli.scene.sampled_knob import sample_knob
+from hknob_cli.scene.plain_knob import sample_knob
 from hknob_cli.specs.scene import SceneSpec
 from tests.verification.general_scenes import LIGHT, TWO_PARTS, scene
 from tests.verification.law_scenes import FOR_EVER

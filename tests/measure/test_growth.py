@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.measure.growth import Peaks, bounce_peaks, energy_growth, parabola
-from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
+from hknob_cli.scene.plain_knob import SampledKnob, sample_knob
 from hknob_cli.specs.scene import SceneSpec
 
 J, K, G = 2.2e-6, 0.27, 0.001

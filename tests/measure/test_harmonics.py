@@ -13,11 +13,10 @@ from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.forms import generator
 from hknob_cli.measure.general_orbit import GeneralMeasurer
-from hknob_cli.measure.harmonics import MOST_HARMONICS, Harmonics, harmonic_count
-from hknob_cli.measure.orbit import Measurer
+from hknob_cli.measure.orbit import MOST_HARMONICS, Harmonics, Measurer, harmonic_count
 from hknob_cli.measure.pieces import _scattered, _shared, _sight, _transform
 from hknob_cli.scene.general_knob import sample_general
-from hknob_cli.scene.sampled_knob import sample_knob
+from hknob_cli.scene.plain_knob import sample_knob
 from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.scene import SceneSpec
 from tests.engine.general.law_runs import states_with_law

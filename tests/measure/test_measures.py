@@ -81,7 +81,7 @@ def test_several_extrema_in_one_interval() -> None:
     stage = SweepStage(loaded(text))
     result = stage.run_cell({"sample_rate_hz": 10.0, "counts_per_rev": 1024})
     from hknob_cli.engine.attractors import Engine
-    from hknob_cli.scene.sampled_knob import sample_knob
+    from hknob_cli.scene.plain_knob import sample_knob
 
     knob = sample_knob(stage.plan.scene, sample_rate_hz=10.0, counts_per_rev=1024)
     for attractor, measures in zip(result.attractors, result.measures, strict=True):
@@ -113,7 +113,7 @@ def test_extrema_with_a_delay_that_splits_ringing_holds(rate: float, delay: floa
     cell = {"sample_rate_hz": rate, "counts_per_rev": 1024}
     result = stage.run_cell(cell)
     from hknob_cli.engine.attractors import Engine
-    from hknob_cli.scene.sampled_knob import sample_knob
+    from hknob_cli.scene.plain_knob import sample_knob
 
     knob = sample_knob(stage.plan.scene, sample_rate_hz=rate, counts_per_rev=1024)
     for attractor, measures in zip(result.attractors, result.measures, strict=True):

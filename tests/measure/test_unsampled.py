@@ -13,7 +13,7 @@ from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.unsampled.wall_pieces import potential, rest_range
 from hknob_cli.errors import ComputationError
 from hknob_cli.measure.unsampled import Motion, UnsampledTrial, events, settle
-from hknob_cli.scene.unsampled_knob import UnsampledKnob, reduce_unsampled
+from hknob_cli.scene.plain_knob import UnsampledKnob, reduce_unsampled
 from hknob_cli.specs.scene import SceneSpec
 
 J, K, G, B = 2.2e-6, 0.27, 0.001, 3.45e-4

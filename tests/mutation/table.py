@@ -104,7 +104,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "sets/region.py": (f"{PROOF}test_convex_region_margins.py",),
     "sets/absorbing.py": (f"{PROOF}test_absorbing_margins.py", f"{PROOF}test_no_region_margins.py"),
     **{f"orbit/{name}.py": ORBIT for name in ("cycle", "holds", "leak")},
-    "measure/harmonics.py": ("tests/measure/test_harmonics.py",),
+    "measure/orbit.py": ("tests/measure/test_harmonics.py",),
     "measure/unsampled.py": tuple(f"tests/measure/test_unsampled{end}.py" for end in ("", "_margins")),
     "measure/growth.py": tuple(f"tests/measure/test_growth{end}.py" for end in ("", "_by_hand")),
     "general/columns.py": (f"{GENERAL}test_columns.py", f"{GENERAL}test_advance.py"),
@@ -205,7 +205,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "controllers/estimated_velocity.py": ("tests/controllers/test_fading_pair.py",),
     "hardware/sample_clock.py": tuple(f"tests/hardware/test_sample_clock{end}.py" for end in ("", "_margins")),
     "hardware/replay.py": tuple(f"tests/hardware/test_replay{end}.py" for end in ("", "_margins")),
-    "hardware/wire/block_order.py": tuple(f"tests/hardware/test_block_order{end}.py" for end in ("", "_margins")),
+    "hardware/wire/sending.py": tuple(f"tests/hardware/test_block_order{end}.py" for end in ("", "_margins")),
     "hardware/trial_phases.py": ("tests/hardware/test_trial_phases.py",),
     "hardware/safety.py": tuple(
         f"tests/hardware/test_{name}.py" for name in ("safety", "safety_margins", "agreed_wall", "control")

@@ -7,7 +7,7 @@ from typing import Any
 
 from hknob_cli.engine.attractors import Patience
 from hknob_cli.engine.propagator import slowest_rate
-from hknob_cli.scene.sampled_knob import sample_knob
+from hknob_cli.scene.plain_knob import sample_knob
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.load import load_text
 from hknob_cli.specs.plan import COUNTS, RATE, SweepPlan, scene_at

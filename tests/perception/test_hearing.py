@@ -20,7 +20,7 @@ from hknob_cli.perception.hearing import (
     sensation_level,
     sound_pressure_level,
 )
-from hknob_cli.perception.published import columns, published
+from hknob_cli.perception.level import columns, published
 
 EDITIONS = (2003, 2023)
 # ISO 226:2023, Table B.1: (phon, Hz, dB), printed to 0.1 dB, as the tests of github.com/jmrplens/phonometry quote it.

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from hknob_cli.errors import UsageError
-from hknob_cli.perception import published as module
-from hknob_cli.perception.published import FOLDERS, SENSES, columns, data_digest, folder, published
+from hknob_cli.perception import level as module
+from hknob_cli.perception.level import FOLDERS, SENSES, columns, data_digest, folder, published
 from tests.conftest import ROOT
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.errors import UsageError
-from hknob_cli.perception.published import published
+from hknob_cli.perception.level import published
 from hknob_cli.perception.torque_step import in_range, level, torque_step
 
 SET = published("torque")["thresholds"]["sinusoid"]

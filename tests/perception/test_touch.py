@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hknob_cli.errors import UsageError
-from hknob_cli.perception.published import published
+from hknob_cli.perception.level import published
 from hknob_cli.perception.touch import (
     detection_threshold,
     in_range,

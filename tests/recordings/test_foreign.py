@@ -9,9 +9,9 @@ import pyarrow.parquet as pq
 import pytest
 
 from hknob_cli.recordings.columns import RecordingError
+from hknob_cli.recordings.files import table, write_csv
 from hknob_cli.recordings.read import read
 from hknob_cli.recordings.trial import Key
-from hknob_cli.recordings.write import table, write_csv
 from hknob_cli.specs.identification import ColumnPlan
 
 DEGREE = math.pi / 180.0

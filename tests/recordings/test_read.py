@@ -12,9 +12,9 @@ import pytest
 
 from hknob_cli.errors import ExitCode
 from hknob_cli.recordings.columns import MOST, RecordingError
+from hknob_cli.recordings.files import table, write_csv
 from hknob_cli.recordings.read import read
 from hknob_cli.recordings.trial import Key
-from hknob_cli.recordings.write import table, write_csv
 from tests.recordings.hands import trial
 
 HEADER = "subject,experiment,block,trial,grip_target_n,time_s,torque_nm,angle_rad,grip_n"

@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hknob_cli.errors import ComputationError
+from hknob_cli.recordings.files import table, write_csv
 from hknob_cli.recordings.read import read
 from hknob_cli.recordings.trial import Key, Trial
-from hknob_cli.recordings.write import table, write_csv
 from tests.recordings.hands import trial
 
 WORDS = st.text("abcXYZ019 ,.;'\"-_äß", min_size=1, max_size=8).filter(lambda word: word == word.strip())

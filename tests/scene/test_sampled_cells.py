@@ -7,7 +7,7 @@ import pytest
 
 from hknob_cli.engine.loop import Loop
 from hknob_cli.errors import ComputationError
-from hknob_cli.scene.sampled_knob import GIVEN, hands_of, sample_cells, sample_knob
+from hknob_cli.scene.plain_knob import GIVEN, hands_of, sample_cells, sample_knob
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.load import load
 from hknob_cli.specs.plan import COUNTS, PERSON, RATE, SweepPlan, scene_at

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from hknob_cli.engine.loop import drive_of, level_of
 from hknob_cli.errors import ComputationError
-from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
+from hknob_cli.scene.plain_knob import SampledKnob, sample_knob
 from hknob_cli.specs.scene import SceneSpec
 
 N = 1024

@@ -14,7 +14,6 @@ from hknob_cli.errors import SpecError, UsageError
 from hknob_cli.specs import named_file as limits_of_size
 from hknob_cli.specs.capabilities import PARTS as PARTS_OF_TABLE
 from hknob_cli.specs.capabilities import parts_of
-from hknob_cli.specs.declared import declared
 from hknob_cli.specs.drive import _is_there
 from hknob_cli.specs.load import load_text
 from hknob_cli.specs.motor import Cogging
@@ -36,6 +35,7 @@ from hknob_cli.specs.plan import (
     SweepPlan,
     Wall,
 )
+from hknob_cli.specs.quantity import declared
 from hknob_cli.specs.remarks import USUAL, _hindrance, _text, unusual
 from hknob_cli.specs.source import dotted, parse
 from tests.conftest import SPEC

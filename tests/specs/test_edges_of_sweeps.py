@@ -6,7 +6,6 @@ import pytest
 
 from hknob_cli.specs import cells
 from hknob_cli.specs.grid import Grid, LinAxis, LogAxis, length
-from hknob_cli.specs.grid_axes import Limit, too_many
 from hknob_cli.specs.load import load_text
 from hknob_cli.specs.plan import (
     COUNTS,
@@ -19,6 +18,7 @@ from hknob_cli.specs.plan import (
     SweepPlan,
     may_have,
 )
+from hknob_cli.specs.refusals import Limit, too_many
 from hknob_cli.specs.remarks import not_proven
 from hknob_cli.specs.sweep import PHASES, RecordSpec, StartsSpec, kind_of_starts, plain_starts
 from hknob_cli.specs.unit_points import UnitPoints

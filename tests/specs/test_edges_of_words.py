@@ -17,7 +17,7 @@ from hknob_cli.specs.hand import HandSpec, hand_contradictions
 from hknob_cli.specs.hand_from import label
 from hknob_cli.specs.load import _kind_fault, load, load_text, spec_model, validate
 from hknob_cli.specs.messages import message, shown
-from hknob_cli.specs.named_file import inside
+from hknob_cli.specs.named_file import STDIN, all_named, given, inside
 from hknob_cli.specs.over_angle import EndStops
 from hknob_cli.specs.parquet import why_unreadable
 from hknob_cli.specs.part import _default
@@ -30,7 +30,6 @@ from hknob_cli.specs.scene_paths import unknown_path
 from hknob_cli.specs.seal import _TAIL, tail_of
 from hknob_cli.specs.source import parse, span_of
 from hknob_cli.specs.stage_plans import ReportPlan
-from hknob_cli.specs.standard_input import STDIN, all_named, given
 from hknob_cli.specs.starter import _comment, _named, starter
 from hknob_cli.specs.sweep import RANDOM, StartsSpec
 from hknob_cli.specs.tried import ActingSpec, acting_faults

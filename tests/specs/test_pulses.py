@@ -103,7 +103,7 @@ def test_pulses_are_absent_of_a_buzz() -> None:
 
 def test_a_knob_lighter_than_the_hand_takes_off_is_a_fault_of_the_grips() -> None:
     """Table 1's firm grips have less inertia than the apparatus alone."""
-    from hknob_cli.hardware.drivers import check_persons
+    from hknob_cli.hardware.campaign import check_persons
 
     plan = planned(BARE + "pulses: {grips: [1]}\nknob: {inertia: 1 g*cm^2}\n")
     with pytest.raises(SpecError, match=r"p.yaml:4:\d+: pulses.grips: .*no inertia together"):

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hknob_cli.specs.units import to_si
+from hknob_cli.specs.quantity import to_si
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from hknob_cli.errors import SpecError
 from hknob_cli.printed.tables import grasps
 from hknob_cli.report.derived_numbers import derived_numbers
 from hknob_cli.report.scene_words import scene_sentences
-from hknob_cli.scene.sampled_knob import scene_along
+from hknob_cli.scene.plain_knob import scene_along
 from hknob_cli.specs.bench import merged
 from hknob_cli.specs.hand import HandSpec
 from hknob_cli.specs.load import validate

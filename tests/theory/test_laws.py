@@ -12,7 +12,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from hknob_cli.engine.loop import drive_of, upper_edge
-from hknob_cli.scene.sampled_knob import sample_knob
+from hknob_cli.scene.plain_knob import sample_knob
 from hknob_cli.specs.plan import Actuator, Bias, Encoder, Hand, Knob, Scene, Wall
 from hknob_cli.theory import laws
 from hknob_cli.theory.laws import WorkingEdge, working_edge

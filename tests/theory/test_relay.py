@@ -6,7 +6,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from hknob_cli.scene.sampled_knob import sample_knob
+from hknob_cli.scene.plain_knob import sample_knob
 from hknob_cli.theory.relay import crossing, plant_curve
 from tests.conftest import loaded
 

@@ -9,7 +9,7 @@ from hknob_cli.engine.attractors import Engine
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.orbit import Measurer
-from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
+from hknob_cli.scene.plain_knob import SampledKnob, sample_knob
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.load import load
 from hknob_cli.specs.plan import COUNTS, RATE

@@ -6,7 +6,7 @@ from typing import Any
 
 from hknob_cli.engine.attractors import Attractor, Engine
 from hknob_cli.measure.orbit import Measurer, OrbitMeasures
-from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
+from hknob_cli.scene.plain_knob import SampledKnob, sample_knob
 from hknob_cli.specs.scene import SceneSpec
 
 # The 7 x 7 grid of the dissertation's simulations (experiments/hand_on_knob.yaml), and its start.

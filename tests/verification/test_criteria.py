@@ -9,7 +9,7 @@ import pytest
 from scipy.linalg import expm
 
 from hknob_cli.engine.loop import interval, level_of, make_loop, push
-from hknob_cli.scene.sampled_knob import sample_knob
+from hknob_cli.scene.plain_knob import sample_knob
 from hknob_cli.specs.plan import Encoder, Hand, Knob, Scene, Wall
 from hknob_cli.theory.criteria import CRITERIA, Case, case_of
 from hknob_cli.theory.laws import WorkingEdge, working_edge

@@ -13,7 +13,7 @@ import pytest
 from hknob_cli.engine.attractors import NeedsCompilerError
 from hknob_cli.engine.general.search import as_compiled
 from hknob_cli.engine.jit import compiled
-from hknob_cli.measure.clock_bound import clock_bound_rad
+from hknob_cli.measure.growth import clock_bound_rad
 from hknob_cli.scene.general_knob import GeneralKnob
 from hknob_cli.specs.plan import Starts
 from tests.engine.general.test_clock_cells import PLAIN, follow_cells, ringed

@@ -9,8 +9,7 @@ deviation of 2.3 %: it is above 89 % unless it is 2.6 of them off, or the interv
 import numpy as np
 import pytest
 
-from hknob_cli.identify.finger_network import FINGER_INERTIA, ORDER, respond_fourth
-from hknob_cli.identify.fourth_order import fourth_order
+from hknob_cli.identify.fourth_order import FINGER_INERTIA, ORDER, fourth_order, respond_fourth
 from hknob_cli.identify.motion import Motion
 from tests.identify.pulses import FIRM, LIGHT, pulse
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.apparatus.experiment import Schedule, record_experiments
-from hknob_cli.apparatus.rig import Rig
+from hknob_cli.apparatus.hand_recording import Rig
 from hknob_cli.identify.least_squares import least_squares, least_squares_acceleration
 from hknob_cli.identify.prepare import Preparation, conditions
 from tests.apparatus.truths import truths

@@ -12,8 +12,7 @@ import pytest
 
 from hknob_cli.apparatus.experiment import Schedule, record_experiments
 from hknob_cli.apparatus.hand import SecondOrder, follow, mechanism, split
-from hknob_cli.apparatus.hand_recording import taken_by_friction
-from hknob_cli.apparatus.rig import Rig
+from hknob_cli.apparatus.hand_recording import Rig, taken_by_friction
 from hknob_cli.identify.output_error import output_error
 from hknob_cli.identify.prepare import Preparation, conditions
 from tests.apparatus.truths import truths

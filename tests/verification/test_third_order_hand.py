@@ -7,8 +7,7 @@ B1 s + K1), carry the same torque, so that their angles add.
 import numpy as np
 import pytest
 
-from hknob_cli.identify.finger_network import respond_fourth, split
-from hknob_cli.identify.fourth_order import fourth_order
+from hknob_cli.identify.fourth_order import fourth_order, respond_fourth, split
 from hknob_cli.identify.motion import Motion
 from tests.identify.pulses import propagate, pulse, second
 

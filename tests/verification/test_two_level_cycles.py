@@ -13,7 +13,7 @@ from hknob_cli.engine.attractors import Engine
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.engine.sets.search import Box, SetEngine
-from hknob_cli.scene.sampled_knob import SampledKnob
+from hknob_cli.scene.plain_knob import SampledKnob
 from hknob_cli.theory.relay import Relay, start_of_half, tsypkin
 from hknob_cli.theory.sampled_relay import SampledCycle, sampled_cycles
 

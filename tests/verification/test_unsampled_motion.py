@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from hknob_cli.measure.unsampled import events
-from hknob_cli.scene.unsampled_knob import reduce_unsampled
+from hknob_cli.scene.plain_knob import reduce_unsampled
 from hknob_cli.specs.scene import SceneSpec
 from tests import digits as mp
 

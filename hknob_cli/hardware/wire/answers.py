@@ -7,8 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from hknob_cli.hardware.port import Block, Settings, Simulated
-from hknob_cli.hardware.wire.acts import UNPACK_ACT, Act, pack_act
-from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
+from hknob_cli.hardware.wire.codes import UNPACK_ACT, Act, Kind, State, Status, Trip, pack_act
 from hknob_cli.hardware.wire.commands import ZERO, pack_settings, pack_simulated, unpack_settings, unpack_simulated
 
 ACK = struct.Struct("<IBBBBII")

@@ -4,8 +4,7 @@ import struct
 from typing import NamedTuple
 
 from hknob_cli.hardware.port import MOST_SINES, Settings, Simulated, Sine
-from hknob_cli.hardware.wire.acts import KINDS, SINE, UNPACK_ACT, Act, pack_act
-from hknob_cli.hardware.wire.codes import Kind
+from hknob_cli.hardware.wire.codes import KINDS, SINE, UNPACK_ACT, Act, Kind, pack_act
 
 NONCE = struct.Struct("<I")
 SETTINGS = struct.Struct("<IIddddIH")

@@ -13,9 +13,8 @@ import numpy as np
 from cobs import cobs
 
 from hknob_cli.hardware.port import Block, Control, Converters, Pulse, Settings, Simulated, Squeeze
-from hknob_cli.hardware.wire.acts import Piece, Table
 from hknob_cli.hardware.wire.answers import Ack, Answer, Event, Samples, pack_answer, unpack_answer
-from hknob_cli.hardware.wire.codes import VERSION, Kind
+from hknob_cli.hardware.wire.codes import VERSION, Kind, Piece, Table
 from hknob_cli.hardware.wire.commands import Command, Configure, SetAct, Simulate, pack_command, unpack_command
 
 Message = Command | Answer

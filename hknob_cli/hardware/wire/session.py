@@ -10,11 +10,10 @@ from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.port import Block
 from hknob_cli.hardware.sample_clock import MOST_DRIFT
 from hknob_cli.hardware.wire.answers import About, Ack, Event, Samples
-from hknob_cli.hardware.wire.block_order import BlockOrder, HostClock
 from hknob_cli.hardware.wire.codes import TRIP_TEXT, VERSION, Kind, State, Status
 from hknob_cli.hardware.wire.commands import Again, Alive, Command, Plain
 from hknob_cli.hardware.wire.messages import Decoder, Unread, decode, encode, frame, not_a_number, unread_of
-from hknob_cli.hardware.wire.sending import AfterRelease, Sending, shows_torque, wrong_state
+from hknob_cli.hardware.wire.sending import AfterRelease, BlockOrder, HostClock, Sending, shows_torque, wrong_state
 
 ALIVE_EVERY_S = 0.01
 SILENCE_S = 0.1

@@ -15,9 +15,9 @@ from pydantic import Field, ValidationError, model_validator
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.page.claims.checks import check_fault
 from hknob_cli.specs import source as yaml
-from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.named_file import open_named
 from hknob_cli.specs.scene import Part
+from hknob_cli.specs.scene_paths import faults_of
 
 _AND = r"(?:\s*,\s*and\s+|\s*,\s*|\s+and\s+|\s+to\s+|\s*-\s*)"
 _WHOLE = r"\d{1,2}(?!\.?\d)"

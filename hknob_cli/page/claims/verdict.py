@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 import pyarrow as pa
 
 from hknob_cli.errors import UsageError
-from hknob_cli.page.by_processes import by_processes
 from hknob_cli.page.claims.checks import compute, known
 from hknob_cli.page.claims.ledger import Claim, Ledger, Reading
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import Column
 from hknob_cli.results.result_set import MissingError, ResultSet
+from hknob_cli.spread.forks import by_processes
 
 REPRODUCED, DIFFERS, CONTRADICTED, NOT_TESTABLE = VERDICTS = (
     "reproduced",

@@ -159,7 +159,7 @@ def _notes(plan: SweepPlan, cells: int) -> Iterator[str]:
 
 def _touch(perceive: Perceive | None) -> dict[str, Any]:
     """The thresholds of touch, and how levels are told from them."""
-    from hknob_cli.perception.published import threshold_set
+    from hknob_cli.perception.level import threshold_set
 
     how = perceive or Perceive(knob_radius=RADIUS_M)
     found, told = thresholds(how.thresholds), threshold_set("touch", how.thresholds)

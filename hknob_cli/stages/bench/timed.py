@@ -12,15 +12,14 @@ import numpy as np
 from hknob_cli.baselines import digits60
 from hknob_cli.baselines.catalogue import Setting, run_rival
 from hknob_cli.baselines.fixed_step import METHODS as FIXED
-from hknob_cli.baselines.model import Controller
+from hknob_cli.baselines.model import PHASE, Controller, Deadline, LostError, Motion, TooSlowError, follow
 from hknob_cli.baselines.mujoco_hinge import INTEGRATORS as MUJOCO
-from hknob_cli.baselines.run import PHASE, Deadline, LostError, Motion, TooSlowError, follow
 from hknob_cli.engine.jit import compiled as compiled_functions
 from hknob_cli.errors import ComputationError, HknobError
 from hknob_cli.measure.unsampled import events
 from hknob_cli.scene.general_knob import sample_general
+from hknob_cli.scene.plain_knob import reduce_unsampled
 from hknob_cli.scene.trial import follow_knob
-from hknob_cli.scene.unsampled_knob import reduce_unsampled
 from hknob_cli.specs.plan import BenchScene
 
 QUICK_S = 0.03  # runs are repeated while they take no longer together

@@ -7,14 +7,14 @@ from math import fsum, inf, isfinite, nan, pi
 from typing import Any, NamedTuple
 
 from hknob_cli.engine.outcome import Outcome
-from hknob_cli.perception.published import other_sets
-from hknob_cli.results.means import extent, one_start
+from hknob_cli.perception.level import other_sets
+from hknob_cli.results.columns import extent, one_start
 from hknob_cli.specs.plan import COUNTS, PERSON, RATE, Bias, Cell, Hand, knob_counts, scene_at
 from hknob_cli.specs.stage_plans import Candidate, Choice, DesignPlan, Value
-from hknob_cli.stages.attractor_sizes import sizes_of_result
 from hknob_cli.stages.lag_domain import in_domain
 from hknob_cli.stages.sweep.cell import CellResult
 from hknob_cli.stages.sweep.engines import Engines
+from hknob_cli.stages.sweep.perceived import sizes_of_result
 from hknob_cli.stages.sweep.run import SweepStage
 from hknob_cli.stages.sweep.tables import cells_table
 

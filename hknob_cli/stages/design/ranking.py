@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hknob_cli.perception.published import REDRAWS, Doubt
-from hknob_cli.results.means import together
+from hknob_cli.perception.level import REDRAWS, Doubt
+from hknob_cli.results.columns import together
 from hknob_cli.specs.stage_plans import DesignPlan, Limit
 from hknob_cli.stages.design.designs import Design
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pyarrow as pa
 
-from hknob_cli.perception.published import doubts
+from hknob_cli.perception.level import doubts
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import RANGED, STEP_DB, Column, axis_column
 from hknob_cli.specs.stage_plans import DesignPlan

@@ -14,7 +14,7 @@ from hknob_cli.results.columns import Column, axis_column
 from hknob_cli.results.files import input_digest
 from hknob_cli.results.parted import read_result, result_schema
 from hknob_cli.results.provenance import scene_of
-from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
+from hknob_cli.scene.plain_knob import SampledKnob, sample_knob
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.parquet import why_unreadable
 from hknob_cli.specs.plan import COUNTS, RATE, Cell, DfaPlan, Encoder, Scene, scene_at

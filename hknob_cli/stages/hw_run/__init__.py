@@ -2,5 +2,4 @@
 
 - `strip` the line that shows a trial as it runs
 - `remedies` what each remedy left of the buzz, beside what was computed
-- `explained` a campaign in words
 """

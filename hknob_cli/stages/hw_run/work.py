@@ -11,9 +11,8 @@ from typing import Any
 
 from hknob_cli.errors import UsageError
 from hknob_cli.hardware.archive import Archive
-from hknob_cli.hardware.campaign import Campaign
-from hknob_cli.hardware.drivers import check_persons, opened, who_of
-from hknob_cli.hardware.sources import REMEDIES, RESULTS, move_to_earlier, refuse_other, spec_digest
+from hknob_cli.hardware.campaign import Campaign, check_persons, opened, who_of
+from hknob_cli.hardware.journal import REMEDIES, RESULTS, move_to_earlier, refuse_other, spec_digest
 from hknob_cli.hardware.tables import campaign_tables, pulse_tables
 from hknob_cli.report.hw_run import describe_clock, describe_hw_run, describe_pulses, hw_run_text, pulses_text
 from hknob_cli.report.remedies import describe_tried

@@ -14,16 +14,15 @@ from typing import TYPE_CHECKING, Any
 import pyarrow as pa
 
 from hknob_cli.results.arrays import build_table
-from hknob_cli.results.columns import RANGED, Column, axis_column
-from hknob_cli.results.means import extent, one_start
+from hknob_cli.results.columns import RANGED, Column, axis_column, extent, one_start
 from hknob_cli.specs.cells import Cells
 from hknob_cli.specs.plan import PERSON, Bias, Record, Starts, SweepPlan, scene_at
 from hknob_cli.specs.stage_plans import KNOCKS, RemediesPlan, Remedy
 from hknob_cli.spread.forks import Forked, Forks, usable_cores
-from hknob_cli.stages.attractor_sizes import sizes_of_rows
 from hknob_cli.stages.lag_domain import has_domain, in_domain
 from hknob_cli.stages.remedies.columns import AXES, BUZZ, CASES, DOMAIN, KEYS, NEEDS, TUNED, level_columns, louder
 from hknob_cli.stages.sweep.engines import Engines
+from hknob_cli.stages.sweep.perceived import sizes_of_rows
 from hknob_cli.stages.sweep.record import trajectories
 from hknob_cli.stages.sweep.run import SweepStage
 

@@ -17,7 +17,7 @@ from hknob_cli.report.remedies import (
 )
 from hknob_cli.report.table import short, table
 from hknob_cli.report.verdicts import best_remedy, quietest
-from hknob_cli.results.means import from_where, together
+from hknob_cli.results.columns import from_where, together
 from hknob_cli.stages.work import counted
 
 Row = dict[str, Any]

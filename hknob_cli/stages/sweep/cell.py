@@ -8,8 +8,7 @@ from hknob_cli.engine.attractors import PATIENCE, USUAL, Attractor, Engine, Need
 from hknob_cli.engine.loop import Loop
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.measure.orbit import Measurer, OrbitMeasures
-from hknob_cli.scene.random_starts import random_starts
-from hknob_cli.scene.sampled_knob import sample_knob
+from hknob_cli.scene.plain_knob import random_starts, sample_knob
 from hknob_cli.specs.capabilities import COLUMNS, STARTS, TRIALS, engine_of, parts_of, takes
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Cell, Scene, SweepPlan, scene_at
@@ -149,8 +148,8 @@ class CellFinder:
 
     def _find_general(self, plan: SweepPlan, cell: Cell, group: str) -> CellResult:
         from hknob_cli.engine.general.search import GeneralEngine
-        from hknob_cli.measure.clock_bound import clock_bound_rad
         from hknob_cli.measure.general_orbit import GeneralMeasurer
+        from hknob_cli.measure.growth import clock_bound_rad
         from hknob_cli.scene.general_knob import sample_general
 
         counts = int(cell[COUNTS]) if COUNTS in cell else None
@@ -217,7 +216,7 @@ class CellFinder:
 
     def _find_unsampled(self, plan: SweepPlan, cell: Cell) -> CellResult:
         from hknob_cli.measure.unsampled import settle
-        from hknob_cli.scene.unsampled_knob import reduce_unsampled
+        from hknob_cli.scene.plain_knob import reduce_unsampled
 
         knob = reduce_unsampled(
             scene_at(plan.scene, cell), counts_per_rev=int(cell[COUNTS]) if COUNTS in cell else None

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from hknob_cli.engine.attractors import Attractor, NeedsCompilerError, Patience, Search
 from hknob_cli.engine.outcome import WORDS, Reason
-from hknob_cli.scene.sampled_knob import SampledKnob
+from hknob_cli.scene.plain_knob import SampledKnob
 from hknob_cli.specs.plan import Starts, SweepPlan
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from hknob_cli.engine.outcome import Reason
 from hknob_cli.measure.orbit import of_cycle
 from hknob_cli.results.arrays import spell
 from hknob_cli.results.columns import CELLS, EVERY_START, ONE_START, Column
-from hknob_cli.scene.sampled_knob import SampledKnob, sample_cells
+from hknob_cli.scene.plain_knob import SampledKnob, sample_cells
 from hknob_cli.specs.capabilities import deciding
 from hknob_cli.specs.cells import Cells
 from hknob_cli.specs.plan import GRIP, PERSON, SweepPlan, scene_at

@@ -18,7 +18,7 @@ from hknob_cli.measure.unsampled import events
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import AT_KNOB, FINGER, START, TRAJECTORY, axis_column
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
-from hknob_cli.scene.unsampled_knob import reduce_unsampled
+from hknob_cli.scene.plain_knob import reduce_unsampled
 from hknob_cli.specs.capabilities import TRIALS, engine_of
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.motor import Cogging

@@ -16,7 +16,7 @@ from hknob_cli.engine.budget import sample_limit, settling_samples
 from hknob_cli.engine.compiling import working_clock
 from hknob_cli.engine.propagator import slowest_rate
 from hknob_cli.results.parted import PART_CELLS
-from hknob_cli.scene.sampled_knob import sample_knob
+from hknob_cli.scene.plain_knob import sample_knob
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import COUNTS, RATE, Cell, SweepPlan, scene_at
 from hknob_cli.spread.forks import usable_cores

@@ -30,7 +30,7 @@ from hknob_cli.results.columns import (
     Column,
     axis_column,
 )
-from hknob_cli.scene.sampled_knob import hands_of
+from hknob_cli.scene.plain_knob import hands_of
 from hknob_cli.scene.torque_over_angle import is_shaped
 from hknob_cli.specs.cells import WHOLE
 from hknob_cli.specs.perception import Perceive
@@ -47,7 +47,7 @@ from hknob_cli.specs.plan import (
     scene_at,
 )
 from hknob_cli.stages.sweep.cell import CellResult, may_bounce
-from hknob_cli.stages.sweep.starts_columns import starts_columns
+from hknob_cli.stages.sweep.starts import starts_columns
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.int64]

@@ -7,7 +7,7 @@ from typing import Any
 
 import pyarrow as pa
 
-from hknob_cli.report.population import describe_people, people_text
+from hknob_cli.report.large import describe_people, people_text
 from hknob_cli.report.sweep_words import (
     Level,
     every_clock_text,
@@ -21,7 +21,7 @@ from hknob_cli.report.sweep_words import (
 from hknob_cli.report.table import MAX_ROWS, fits, matrix, short, table
 from hknob_cli.report.verdicts import grid_verdict, percent, unproven_of
 from hknob_cli.report.what_matters import describe_matters, matters_of, matters_text
-from hknob_cli.results.means import differs
+from hknob_cli.results.columns import differs
 from hknob_cli.specs.plan import PERSON
 from hknob_cli.stages.sweep.completeness_text import random_trials
 

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.engine.compiling import working_clock
+from hknob_cli.results.files import Staging, clear_staged, staged
 from hknob_cli.results.parted import Parted
-from hknob_cli.results.staging import Staging, clear_staged, staged
 from hknob_cli.specs.plan import COUNTS, PERSON, is_unpushed, knob_counts, scene_at
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.make import stamp_of
@@ -50,7 +50,7 @@ class SweepWork(PerceivingWork):
         _warn_of_lag(job)
         stage = SweepStage(job.plan, jobs=job.jobs, engines=Engines(notify=partial(note, job)))
         if stage.spreads or job.scheduler:
-            from hknob_cli.stages.sweep.spread import spread_sweep
+            from hknob_cli.stages.sweep.assembly import spread_sweep
 
             return (*spread_sweep(job, stage, stamp_of(job, self), partial(note, job)), *_recorded(job))
         hint = "" if job.plan.seconds_per_cell else LIMITED
@@ -194,7 +194,7 @@ def _recorded(job: Job) -> Tables:
 
         return (record_sweep(job.plan),)
     if job.plan.basins:
-        from hknob_cli.stages.sweep.basins import map_basins
+        from hknob_cli.stages.sweep.starts import map_basins
 
         return (map_basins(job.plan),)
     return ()
@@ -222,7 +222,7 @@ def _draw_grid(job: Job, cells: Any, orbits: Any, path: Path) -> bool:
     if drawn or not axes:
         return drawn
     from hknob_cli.report.what_matters import axes_that_matter, columns_of
-    from hknob_cli.results.means import WORST
+    from hknob_cli.results.columns import WORST
 
     names = axes_that_matter(axes, cells.column_names)
     return _draw_matters(job, columns_of(cells, [*names, *WORST, "at_rest_fraction"]), names, path)

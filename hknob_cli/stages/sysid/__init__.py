@@ -1,4 +1,4 @@
 """Stage sysid: the hand that holds a knob, identified.
 
-- `calibration`, `study` of the estimators, `remarks`
+- `calibration`, `against` the estimators beside the truth, `remarks`
 """

@@ -5,9 +5,9 @@ from typing import Any
 
 import pyarrow as pa
 
-from hknob_cli.apparatus.bench_rigs import record_grip_cell, record_motor_calibration
-from hknob_cli.apparatus.rig import virtual_rig
-from hknob_cli.identify import calibration
+from hknob_cli.apparatus.experiment import record_grip_cell, record_motor_calibration
+from hknob_cli.apparatus.hand_recording import virtual_rig
+from hknob_cli.identify import identified
 from hknob_cli.recordings.files import GRIP_CELL, MOTOR, read_columns
 from hknob_cli.results.arrays import build_table
 from hknob_cli.specs.identification import SysidPlan
@@ -24,7 +24,7 @@ def calibrate(plan: SysidPlan) -> tuple[pa.Table, pa.Table]:
         readings = record_motor_calibration(virtual_rig(plan), seed=plan.virtual.seed)._asdict()
     else:
         readings = record_grip_cell(seed=plan.virtual.seed)._asdict()
-    found = calibration.motor(readings) if motor else calibration.grip_cell(readings)
+    found = identified.motor(readings) if motor else identified.grip_cell(readings)
     quantities = [{**one._asdict(), "flags": "; ".join(one.flags)} for one in found]
     points = [
         {

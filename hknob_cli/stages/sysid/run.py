@@ -7,9 +7,8 @@ from typing import Any, NamedTuple
 
 import pyarrow as pa
 
-from hknob_cli.apparatus.bench_rigs import record_apparatus
-from hknob_cli.apparatus.experiment import Schedule, record_experiments
-from hknob_cli.apparatus.rig import virtual_rig
+from hknob_cli.apparatus.experiment import Schedule, record_apparatus, record_experiments
+from hknob_cli.apparatus.hand_recording import virtual_rig
 from hknob_cli.errors import ComputationError, UsageError
 from hknob_cli.identify.fit import Estimate, Fit
 from hknob_cli.identify.fourth_order import fourth_order
@@ -18,10 +17,10 @@ from hknob_cli.identify.least_squares import least_squares, least_squares_accele
 from hknob_cli.identify.motion import Motion
 from hknob_cli.identify.output_error import output_error
 from hknob_cli.identify.prepare import Preparation, Prepared, conditions
+from hknob_cli.recordings.files import table as recordings_table
 from hknob_cli.recordings.health import WRONG_SIGN
 from hknob_cli.recordings.read import read
 from hknob_cli.recordings.trial import Trial
-from hknob_cli.recordings.write import table as recordings_table
 from hknob_cli.results.arrays import build_table
 from hknob_cli.specs.identification import SysidPlan
 from hknob_cli.stages.sysid import columns

@@ -10,10 +10,17 @@ from hknob_cli.errors import UsageError
 from hknob_cli.results.versions import version
 from hknob_cli.specs.named_file import digest_of
 from hknob_cli.stages.job import Job
-from hknob_cli.stages.sysid.against import check_of, describe_truth, truth_path, truth_table
+from hknob_cli.stages.sysid.against import (
+    check_of,
+    describe_truth,
+    levels_of,
+    study_bias,
+    study_hidden,
+    truth_path,
+    truth_table,
+)
 from hknob_cli.stages.sysid.calibration import calibrate
 from hknob_cli.stages.sysid.run import SysidStage, kept_recordings
-from hknob_cli.stages.sysid.study import levels_of, study_bias, study_hidden
 from hknob_cli.stages.sysid.text import describe_sysid, study_text, sysid_text
 from hknob_cli.stages.work import Tables, Work, note
 from hknob_cli.terminal import progress_bar

@@ -32,7 +32,7 @@ from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.engine.sets.search import Box, Search, SetEngine
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
-from hknob_cli.scene.sampled_knob import SampledKnob
+from hknob_cli.scene.plain_knob import SampledKnob
 from hknob_cli.specs.scene import SceneSpec
 from tests.verification.general_starts import readings, turned
 from tests.verification.lagged_starts import starts_of

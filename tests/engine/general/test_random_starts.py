@@ -8,8 +8,7 @@ from hknob_cli.engine.general.search import GeneralEngine
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.sets.search import Box, SetEngine
 from hknob_cli.scene.general_knob import sample_general
-from hknob_cli.scene.random_starts import random_starts
-from hknob_cli.scene.sampled_knob import sample_knob
+from hknob_cli.scene.plain_knob import random_starts, sample_knob
 from hknob_cli.specs.plan import COUNTS, RATE, Controller, Starts
 from hknob_cli.specs.scene import SceneSpec
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.errors import UsageError
-from hknob_cli.identify.finger_network import respond_fourth
+from hknob_cli.identify.fourth_order import respond_fourth
 from hknob_cli.page.claims.checks import compute, known
 from hknob_cli.page.claims.checks.finger import network
 from hknob_cli.printed import tables

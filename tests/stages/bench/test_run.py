@@ -8,7 +8,7 @@ from math import inf, pi, sin
 import pytest
 
 from hknob_cli.baselines.digits60 import Digits60
-from hknob_cli.baselines.run import Deadline, TooSlowError
+from hknob_cli.baselines.model import Deadline, TooSlowError
 from hknob_cli.errors import ComputationError
 from hknob_cli.report.bench import bench_text, describe_bench
 from hknob_cli.specs.load import load

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from hknob_cli.perception.published import Doubt, doubts, other_sets
+from hknob_cli.perception.level import Doubt, doubts, other_sets
 from hknob_cli.specs.stage_plans import Limit
 from hknob_cli.stages.design.designs import Design
 from hknob_cli.stages.design.ranking import Judged, answer_if, judge, meets, redrawn

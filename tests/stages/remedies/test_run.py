@@ -8,8 +8,8 @@ import pytest
 
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.source import parse
-from hknob_cli.stages.attractor_sizes import End, sizes_of
 from hknob_cli.stages.remedies.run import RemediesStage
+from hknob_cli.stages.sweep.perceived import End, sizes_of
 
 Row = dict[str, Any]
 

@@ -10,8 +10,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from hknob_cli.errors import ComputationError
+from hknob_cli.results.files import Staging, clear_staged
 from hknob_cli.results.parted import Parted, Parting
-from hknob_cli.results.staging import Staging, clear_staged
 from hknob_cli.results.versions import grid_versions
 from hknob_cli.stages.sweep.assembly import Assembly, PieceFinder, decode, encode, find_piece, finished
 from hknob_cli.stages.sweep.run import SweepStage

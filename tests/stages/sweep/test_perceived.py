@@ -12,11 +12,11 @@ from hknob_cli.engine.attractors import Engine
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.errors import SpecError
-from hknob_cli.measure.harmonics import Harmonics
+from hknob_cli.measure.orbit import Harmonics
 from hknob_cli.perception.hearing import hearing_threshold
-from hknob_cli.perception.published import published
+from hknob_cli.perception.level import published
 from hknob_cli.perception.touch import detection_threshold
-from hknob_cli.scene.sampled_knob import sample_knob
+from hknob_cli.scene.plain_knob import sample_knob
 from hknob_cli.specs.generated import json_schema
 from hknob_cli.specs.perception import Perceive
 from hknob_cli.stages.sweep.perceived import Perceived, cell_row, orbit_row, perceive

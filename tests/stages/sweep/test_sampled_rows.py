@@ -8,9 +8,8 @@ import pytest
 from hknob_cli.results.parted import Parting
 from hknob_cli.results.versions import grid_versions
 from hknob_cli.specs.cells import cells_of
-from hknob_cli.stages.sweep.assembly import PieceFinder, decode, encode
+from hknob_cli.stages.sweep.assembly import PieceFinder, decode, encode, nearly_same, rows_of, same
 from hknob_cli.stages.sweep.run import SweepStage
-from hknob_cli.stages.sweep.spread import nearly_same, rows_of, same
 from hknob_cli.stages.sweep.tables import SweepTables
 from tests.conftest import SPEC, loaded
 from tests.faults.spread_runs import SWEEP, left, run

@@ -14,7 +14,7 @@ from hknob_cli.engine.general.search import GeneralEngine
 from hknob_cli.engine.general.slide_many import slide_many
 from hknob_cli.engine.outcome import WORDS, Outcome, Reason
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
-from hknob_cli.scene.sampled_knob import sample_knob
+from hknob_cli.scene.plain_knob import sample_knob
 from hknob_cli.specs.scene import SceneSpec
 from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import loaded

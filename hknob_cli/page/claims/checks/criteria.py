@@ -1,13 +1,23 @@
-"""The criteria of stability of section 6.2, on the scene of a result, beside what its sweep does."""
+"""Stability of sampled walls: the criteria of section 6.2 beside sweeps, and what fast sampling does to numbers.
+
+What sampling does to a controller's numbers: differenced velocity, zeros, coefficients, and a linkage's Jacobian.
+Source: Hasser, sec. 10.6, items 1-3; of a velocity from coarse counts, sec. 10.2, item 6; of a linkage, whose tip moves
+for one interval, Section 11.4.
+"""
 
 from collections.abc import Iterator
+from itertools import pairwise
+from math import expm1, floor, pi, sqrt, tan
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from hknob_cli.errors import UsageError
 from hknob_cli.page.claims.checks import check
 from hknob_cli.page.claims.checks.grid import exponent
+from hknob_cli.page.claims.checks.motion import motion
 from hknob_cli.page.claims.checks.rows import one_number, percent, rests, rows_of
-from hknob_cli.results.result_set import ResultSet, Where
+from hknob_cli.results.result_set import MissingError, ResultSet, Where
 from hknob_cli.specs.plan import COUNTS, RATE
 
 if TYPE_CHECKING:
@@ -110,3 +120,129 @@ def resting_stiffness_exponent(
         if ends:
             found.append((rate, walls[ends - 1][0]))
     return exponent(found)
+
+
+SAMPLE = "sample"
+
+
+@check
+def velocity_jump(_: ResultSet, *, counts_per_rev: int, sample_rate_hz: float, low_pass: float = 0.0) -> float:
+    """Jump (rad/s) of a velocity differenced over one sample when the angle moves by one count.
+
+    ``low_pass``: time constant (s) of a filter behind it, y += a (x - y) with a = 1 - exp(-T / low_pass), as
+    `velocity_damping` has it; 0: none.
+    """
+    goes = -expm1(-1.0 / (sample_rate_hz * low_pass)) if low_pass > 0.0 else 1.0
+    return goes * sample_rate_hz * 2.0 * pi / counts_per_rev
+
+
+@check
+def sampling_zero(
+    _: ResultSet, *, inertia: float, damping: float, stiffness: float, sample_rate_hz: float, lag_s: float = 0.0
+) -> float:
+    """Distance from 0 of the farthest zero of knob and hand behind a zero-order hold; above 1: not minimum phase.
+
+    From torque to angle; ``lag_s``: time constant of the amplifier, which passes the torque on, 0: none. SI units.
+    The zeros are those of C adj(zI - Phi) Gamma = det(zI - Phi + Gamma C) - det(zI - Phi).
+    """
+    from scipy.linalg import expm
+
+    period = 1.0 / sample_rate_hz
+    # States angle, velocity in rad per sample, and torque in what moves the velocity by 1 in a sample.
+    rates = [
+        [0.0, 1.0, 0.0],
+        [-stiffness * period**2 / inertia, -damping * period / inertia, 1.0],
+        [0.0, 0.0, -period / lag_s if lag_s else 0.0],
+    ]
+    order = 3 if lag_s else 2
+    whole = np.zeros((order + 1, order + 1))
+    whole[:3, :3] = rates
+    if lag_s:
+        whole[2, 3] = period / lag_s
+    held = expm(whole)
+    move, push = held[:order, :order], held[:order, order]
+    drawn = move - np.outer(push, np.eye(order)[0])
+    return float(np.max(np.abs(np.roots((np.poly(drawn) - np.poly(move))[1:]))))
+
+
+@check
+def coefficient_error(_: ResultSet, *, cut_off_hz: float, sample_rate_hz: float, bits: int) -> float | None:
+    """Most (%) by which rounding its coefficients can change the static gain of a low-pass of second order.
+
+    A Butterworth filter by the bilinear transform, in direct form, its coefficients two's-complement numbers of
+    ``bits`` from -2 to 2. The gain is 4 b / (1 + a1 + a2), and 1 + a1 + a2 = 4 b before rounding. In steps of the
+    numbers, rounding moves 4 b by less than 2 and 1 + a1 + a2 by less than 1; both are whole numbers then, so that they
+    differ by 2 at most. None where the rounded 1 + a1 + a2 may be 0, and the filter an integrator.
+    """
+    warped = tan(pi * cut_off_hz / sample_rate_hz)
+    steps = 4.0 * warped**2 / (1.0 + 2.0**0.5 * warped + warped**2) * 2.0**bits / 4.0
+    return 100.0 * 2.0 / (steps - 1.0) if steps > 1.0 else None
+
+
+@check
+def velocity_error(evidence: ResultSet, result: str, counts_per_rev: int, where: Where | None = None) -> float | None:
+    """Error (% of its rms) of the velocity of a recorded motion if its samples were read by an encoder of such counts.
+
+    The error is the difference of two readings less that of the two angles, over the sample period; rms. The motion is
+    that of the recording, whatever sensor it was under.
+    """
+    samples = [point for point in motion(evidence, result, where) if point.event == SAMPLE]
+    if len(samples) < 3:
+        raise MissingError(f"no samples are recorded in '{result}'")
+    count = 2.0 * pi / counts_per_rev
+    wrong, whole = 0.0, 0.0
+    for before, now in pairwise(samples):
+        true = now.angle - before.angle
+        read = count * (floor(now.angle / count) - floor(before.angle / count))
+        wrong, whole = wrong + (read - true) ** 2, whole + true**2
+    return 100.0 * sqrt(wrong / whole) if whole else None
+
+
+@check
+def velocity_error_exponent(
+    evidence: ResultSet, result: str, counts_per_rev: list[int], where: Where | None = None
+) -> float | None:
+    """Exponent of `velocity_error` as a power of the counts per revolution; -1: in proportion to the count."""
+    line = [(float(counts), velocity_error(evidence, result, counts, where)) for counts in counts_per_rev]
+    return exponent([(at, value) for at, value in line if value is not None])
+
+
+_CONFIGURATIONS, _DIRECTIONS = 91, 72
+
+
+@check
+def jacobian_change(
+    _: ResultSet,
+    *,
+    links_m: list[float],
+    speed_m_s: float,
+    interval_s: float,
+    elbow_deg: list[float],
+    inverse: bool = True,
+) -> float:
+    """Most (%) by which the Jacobian of a planar arm of two links changes while its tip moves at a speed for a time.
+
+    The tip moves in every direction, from every angle of the elbow in a range (degrees, 0: straight) that leaves out
+    the singular ones. The change is the largest singular value of the difference over that of the Jacobian before, or,
+    with ``inverse``, of the inverses. Raises `UsageError` for a range with a singular elbow.
+    """
+    first, second = links_m
+    low, high = (pi * value / 180.0 for value in elbow_deg)
+    if not 0.0 < low <= high < pi:
+        raise UsageError("elbow_deg: must lie between 0 and 180, where the arm is straight or folded")
+    most = 0.0
+    for elbow in np.linspace(low, high, _CONFIGURATIONS):
+        here = _jacobian(first, second, 0.0, elbow)
+        for angle in np.linspace(0.0, 2.0 * pi, _DIRECTIONS, endpoint=False):
+            shoulder, bent = np.linalg.solve(here, speed_m_s * interval_s * np.array([np.cos(angle), np.sin(angle)]))
+            there = _jacobian(first, second, shoulder, elbow + bent)
+            old, new = (np.linalg.inv(here), np.linalg.inv(there)) if inverse else (here, there)
+            most = max(most, float(np.linalg.norm(new - old, 2) / np.linalg.norm(old, 2)))
+    return 100.0 * most
+
+
+def _jacobian(first: float, second: float, shoulder: float, elbow: float) -> np.ndarray:
+    """Velocity of the tip by the two joint speeds, m/rad; the shoulder's and the elbow's angle in rad."""
+    near = first * np.array([-np.sin(shoulder), np.cos(shoulder)])
+    far = second * np.array([-np.sin(shoulder + elbow), np.cos(shoulder + elbow)])
+    return np.stack([near + far, far], axis=1)

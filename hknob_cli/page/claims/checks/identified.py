@@ -8,13 +8,20 @@ from typing import Any
 
 import numpy as np
 
-from hknob_cli.apparatus.bench_rigs import setups
+from hknob_cli.apparatus.experiment import setups
 from hknob_cli.apparatus.hand import SecondOrder, follow, mechanism
-from hknob_cli.apparatus.hand_recording import PEAK_RAD, peak_per_torque, runs, scaled_input, scaled_pulse, unit_input
+from hknob_cli.apparatus.hand_recording import (
+    PEAK_RAD,
+    Rig,
+    peak_per_torque,
+    runs,
+    scaled_input,
+    scaled_pulse,
+    unit_input,
+)
 from hknob_cli.apparatus.people import mean_hand
-from hknob_cli.apparatus.rig import Rig
 from hknob_cli.errors import UsageError
-from hknob_cli.identify.finger_network import hold_matrices
+from hknob_cli.identify.fourth_order import hold_matrices
 from hknob_cli.page.claims.checks import check
 from hknob_cli.page.claims.checks.printed import Names, bound
 from hknob_cli.page.claims.checks.rows import one_number, percent, rows_of

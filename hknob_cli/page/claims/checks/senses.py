@@ -105,7 +105,7 @@ def torque_step_level(
     count finer than these periods is compared all the same.
     """
     from hknob_cli.perception import torque_step
-    from hknob_cli.perception.published import threshold_set
+    from hknob_cli.perception.level import threshold_set
 
     found = threshold_set("torque", None)
     published = {"least": found["torque_nm"], "largest": found["largest_nm"]}

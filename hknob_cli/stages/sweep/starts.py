@@ -1,6 +1,9 @@
-"""Maps of a sweep's cells: which attractor the starts on a grid over a box of states end in."""
+"""Many starts of the cells of a sweep: columns of a search from all, and maps of which attractor each one ends in.
 
-from collections.abc import Callable
+A map is of starts on a grid over a box of states.
+"""
+
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -9,12 +12,44 @@ import pyarrow as pa
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.engine.sets.search import SetEngine
-from hknob_cli.results.arrays import join_columns
-from hknob_cli.results.columns import BASINS, axis_column
-from hknob_cli.scene.sampled_knob import sample_knob
+from hknob_cli.results.arrays import join_columns, spell
+from hknob_cli.results.columns import ANYWHERE, BASINS, EVERY_START, ONE_START, Column, axis_column
+from hknob_cli.scene.plain_knob import sample_knob
 from hknob_cli.specs.cells import WHOLE, cells_of
 from hknob_cli.specs.plan import COUNTS, RATE, SweepPlan, scene_at
-from hknob_cli.stages.sweep.cell import CellFinder
+from hknob_cli.stages.sweep.cell import CellFinder, CellResult
+from hknob_cli.stages.sweep.every_start import INCOMPLETE, why_incomplete
+
+
+def starts_columns(plan: SweepPlan, results: Sequence[CellResult]) -> tuple[tuple[Column, ...], dict[str, list[Any]]]:
+    """The columns, and their values: whether every start was followed, and what is known of the others."""
+    columns: tuple[Column, ...] = EVERY_START
+    complete, pieces = [one.complete for one in results], [one.pieces for one in results]
+    why = why_incomplete(complete, pieces, [one.why for one in results], plan.starts)
+    values: dict[str, list[Any]] = {
+        "complete": complete,
+        "piece_count": pieces,
+        "incomplete_reason": spell(INCOMPLETE, why),
+    }
+    if plan.starts.many:
+        values["undecided_fraction"] = [_undecided(one) for one in results]
+    else:
+        columns = (*columns, *ONE_START)
+        values["share_error"] = [one.share_error for one in results]
+    if plan.starts.anywhere:
+        columns = (*columns, *ANYWHERE)
+        both = [(*(one.region or (None, None)), *(one.grows or (None, None))) for one in results]
+        values |= {column.name: list(found) for column, found in zip(ANYWHERE, zip(*both, strict=True), strict=True)}
+    return columns, values
+
+
+def _undecided(result: CellResult) -> float:
+    """Bound on the share of starts without a proven end; where some were drawn, the share of those."""
+    if result.undecided is not None:
+        return result.undecided
+    unknown = sum(one.trials for one in result.attractors if one.outcome is Outcome.UNDECIDED)
+    return unknown / sum(one.trials for one in result.attractors)
+
 
 MOST_SAMPLES = 5000  # of an orbit that are shown
 
