@@ -11,7 +11,7 @@ from hknob_cli.controllers.plain_wall import PlainWall
 from hknob_cli.engine.general.body import ADDED
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.follow import CYCLE_EXPANDS
-from hknob_cli.engine.general.jitter import meant_pace
+from hknob_cli.engine.general.interval import meant_pace
 from hknob_cli.engine.general.laws.law import BLOCK, CYCLE_NOT_AFFINE, PIECE, Law
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.scene.general_body import add_spans

@@ -8,12 +8,11 @@
 - `rest` the proof of a rest point
 - `follow` one trial to its end
 - `ensemble` all phases of a cell, within its `budget` of samples
-- `trace` one period, `orbit/` what it amounts to (`cycle` peaks between samples and integrals, of `holds`; `leak` work
-  of the wall)
+- `orbit_holds` one period, `orbit_cycle` what it amounts to: peaks between samples, integrals, work of the wall
 - `attractors` of a cell, with their shares
 - `cells` many of them without leaving compiled code, `cell_run` as columns
 - `bounces` peaks outside the wall
-- `jit` the same source compiled, kept in an `own_folder`, `compiling` what is said of it, `linking` what is optimised,
+- `jit` the same source compiled, `kept_code` on the disk, `compiling` what is said of it, `linking` what is optimised,
   `absent` what is left out
 - `alarm` the time a cell may take
 

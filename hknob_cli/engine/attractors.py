@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 from hknob_cli.engine import ensemble as plain_ensemble
 from hknob_cli.engine import follow
-from hknob_cli.engine import trace as plain_trace
+from hknob_cli.engine import orbit_cycle as plain_cycle
+from hknob_cli.engine import orbit_holds as plain_trace
 from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.budget import OPEN, TOO_FINE, TOO_MANY, TOO_SLOW, UNHELD, TrialBudget, prospect, unrepeated
 from hknob_cli.engine.ensemble import ROW, first_sample
 from hknob_cli.engine.loop import Loop
-from hknob_cli.engine.orbit import cycle as plain_cycle
-from hknob_cli.engine.orbit.cycle import CycleMeasures
-from hknob_cli.engine.orbit.holds import PART
+from hknob_cli.engine.orbit_cycle import CycleMeasures
+from hknob_cli.engine.orbit_holds import PART
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.propagator import slowest_rate
 
@@ -172,7 +172,7 @@ class Engine(Runner):
     def _begin(self) -> None:
         self._ensemble = self._function("ensemble", plain_ensemble.ensemble)
         self._trace = self._function("trace", plain_trace.trace)
-        self._measure = self._function("orbit.measure_cycle", plain_cycle.measure_cycle)
+        self._measure = self._function("measure_cycle", plain_cycle.measure_cycle)
 
     def search(
         self,

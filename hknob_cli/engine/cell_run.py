@@ -8,12 +8,11 @@ from numpy.typing import NDArray
 
 from hknob_cli.engine.attractors import CAPACITY, FATES, LANES, SLICE, StoppedError
 from hknob_cli.engine.cells import FIELD, FIELDS, MEASURES, NUMBERS, UNMEASURED, Asked, Room
-from hknob_cli.engine.orbit.cycle import CycleMeasures
-from hknob_cli.engine.orbit.holds import PART
+from hknob_cli.engine.orbit_cycle import CycleMeasures
+from hknob_cli.engine.orbit_holds import PART, Holds
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.sets.cells import TOLD, ArcWork
 from hknob_cli.engine.sets.room import ENDS, make_arc_room, make_known
-from hknob_cli.engine.trace import Holds
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.int64]

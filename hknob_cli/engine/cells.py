@@ -9,10 +9,9 @@ from hknob_cli.engine.budget import OPEN, TOO_MANY, TrialBudget, prospect, unrep
 from hknob_cli.engine.ensemble import CLOSURE, EDGE, FATE, PERIOD, ROW, TRIALS, TrialRoom, V, X, ensemble, first_sample
 from hknob_cli.engine.follow import CYCLE_CONTINUUM, REST_EDGE, REST_PROVEN, UNSETTLED
 from hknob_cli.engine.loop import make_loop
-from hknob_cli.engine.orbit.cycle import CycleMeasures, measure_cycle
-from hknob_cli.engine.orbit.holds import LENGTH
+from hknob_cli.engine.orbit_cycle import CycleMeasures, measure_cycle
+from hknob_cli.engine.orbit_holds import LENGTH, Holds, holds_per_sample
 from hknob_cli.engine.propagator import slowest_rate
-from hknob_cli.engine.trace import Holds, holds_per_sample
 
 UNMEASURED = 20  # the end of a cycle that does not turn but by rounding
 

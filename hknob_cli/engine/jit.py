@@ -18,20 +18,18 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.engine.compiling import COMPILING_S, listen
-from hknob_cli.engine.kept_code import keep_sealed, load_numba
+from hknob_cli.engine.kept_code import keep_sealed, load_numba, make_own_folder
 from hknob_cli.engine.linking import kinds
-from hknob_cli.engine.own_folder import make_own_folder
 
 # In the order of use: a module's functions are compiled before those that call them.
-MOTION = ("propagator", "loop", "turning", "certificate", "rest", "follow", "ensemble", "trace")
-ORBIT = tuple(f"orbit.{name}" for name in ("holds", "leak", "cycle"))
+MOTION = ("propagator", "loop", "turning", "certificate", "rest", "follow", "ensemble")
+ORBIT = ("orbit_holds", "orbit_cycle")
 PLAIN = (*MOTION, *ORBIT, "relay_cycles")
 CELLS = (*MOTION, "budget", *ORBIT, "cells")
 GENERAL = (
     *MOTION,
     "general.torque_table",
     "general.torque_curve",
-    "general.jitter",
     "general.controller",
     "general.body",
     "general.slide_two",
@@ -50,8 +48,6 @@ GENERAL = (
     "general.advance",
     "general.hysteresis",
     "general.interval",
-    "general.parting",
-    "general.bent",
     "general.period_map",
     "general.orbit_proof",
     "general.inner_region",
@@ -59,25 +55,21 @@ GENERAL = (
     "general.standstill",
     "general.captured",
     "general.looks",
-    "general.checkpoint",
     "general.follow",
     "general.ensemble",
     "general.trace",
     "general.clock_cells",
-    "orbit.leak",
+    *ORBIT,
 )
 # The general loop under a controller; the law itself is compiled by itself (`compiled_law`).
 LAWS = (
     *GENERAL,
-    *(
-        f"general.laws.{name}"
-        for name in ("law", "step", "cascade", "sensed", "parting", "period", "rest", "follow", "trials")
-    ),
+    *(f"general.laws.{name}" for name in ("law", "step", "cascade", "sensed", "period", "rest", "follow", "trials")),
 )
 SETS = (
     *MOTION,
-    *(f"sets.{name}" for name in ("centre", "known", "ball", "arc_cut", "arc")),
-    *(f"sets.{name}" for name in ("polygon", "region", "lattice", "box")),
+    *(f"sets.{name}" for name in ("ball", "arc_cut", "arc")),
+    *(f"sets.{name}" for name in ("polygon", "region", "box")),
     *ORBIT,
     "budget",
     "cells",
@@ -86,7 +78,7 @@ SETS = (
 # As in "cells", but every clock phase instead of sampled ones.
 ARC_CELLS = (
     *MOTION,
-    *(f"sets.{name}" for name in ("centre", "known", "ball", "arc_cut", "arc")),
+    *(f"sets.{name}" for name in ("ball", "arc_cut", "arc")),
     "budget",
     *ORBIT,
     "cells",
@@ -118,7 +110,7 @@ UNSAMPLED = (
     "propagator",
     "loop",
     "turning",
-    *(f"unsampled.{name}" for name in ("wall_pieces", "state_machine", "settling")),
+    *(f"unsampled.{name}" for name in ("state_machine", "settling")),
 )
 PULSE = ("pulse", "pulse_friction")
 INTERPRETED = "interpreted"  # file beside compiled code

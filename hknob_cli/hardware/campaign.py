@@ -68,7 +68,7 @@ def opened(
 def _build_folder(stack: ExitStack) -> Path:
     """Where built targets are kept between runs; a folder for this run alone where there is no such place."""
     from hknob_cli.engine.jit import cache_directory
-    from hknob_cli.engine.own_folder import make_own_folder
+    from hknob_cli.engine.kept_code import make_own_folder
 
     cache = cache_directory()
     if cache is not None:

@@ -1,10 +1,10 @@
 """Integrals over a hold, and of quadratic forms along a linear motion of any number of states, at any stiffness.
 
-As in `engine.orbit.holds`: over a short piece by Gauss-Legendre quadrature, doubled from there. The vector that the
+As in `engine.orbit_holds`: over a short piece by Gauss-Legendre quadrature, doubled from there. The vector that the
 forms act on is (z, 1, u, f): the state, the constant torques, the command, and the torque of friction, with what is
 constant of cogging on a slope.
 
-Integrals over one hold as matrices, for many pieces of motion at once; what they are: `engine.orbit.holds`.
+Integrals over one hold as matrices, for many pieces of motion at once; what they are: `engine.orbit_holds`.
 """
 
 from functools import lru_cache
@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from hknob_cli.engine import orbit_holds
 from hknob_cli.engine.general.body import (
     CONSTANT,
     CONSTANT_HELD,
@@ -28,8 +29,7 @@ from hknob_cli.engine.general.body import (
 from hknob_cli.engine.general.cogging import CENTRE, COGGED, LENGTH, SLOPE, STABLE, TOOTHED, UNSTABLE
 from hknob_cli.engine.general.search import PeriodSegments
 from hknob_cli.engine.general.teeth import APART, BACK, ON_STABLE, ON_UNSTABLE, STUCK_APART, STUCK_BACK
-from hknob_cli.engine.orbit import holds
-from hknob_cli.engine.orbit.holds import RULE
+from hknob_cli.engine.orbit_holds import RULE
 
 Array = NDArray[np.float64]
 
@@ -45,7 +45,7 @@ class Forms(NamedTuple):
 @lru_cache(maxsize=1024)
 def hold_forms(alpha: float, beta: float, duration: float) -> Forms:
     """Forms over a hold of length ``duration``; those of other cells with the same hand and sample rate are kept."""
-    numbers = holds.hold_forms(alpha, beta, duration)
+    numbers = orbit_holds.hold_forms(alpha, beta, duration)
     return Forms(np.array(numbers[:3]), _matrix(numbers[3:9]), _matrix(numbers[9:]))
 
 

@@ -1,6 +1,6 @@
 """The measures of an attractor of the general loop: what a row of ``orbits.parquet`` says.
 
-The work of the wall by when it is done, of a motion in arrays; what that means: `engine.orbit.leak`.
+The work of the wall by when it is done, of a motion in arrays; what that means: `engine.orbit_cycle`.
 """
 
 from collections.abc import Callable
@@ -12,8 +12,8 @@ import numpy as np
 from hknob_cli.engine.attractors import Attractor
 from hknob_cli.engine.general.search import GeneralEngine, PeriodSegments
 from hknob_cli.engine.general.teeth import APART
-from hknob_cli.engine.orbit.holds import RULE
-from hknob_cli.engine.orbit.leak import find_leak
+from hknob_cli.engine.orbit_cycle import find_leak
+from hknob_cli.engine.orbit_holds import RULE
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.measure.forms import (
     Array,

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from hknob_cli.engine.attractors import Attractor, Engine
 from hknob_cli.engine.loop import Loop
-from hknob_cli.engine.orbit.cycle import CycleMeasures
+from hknob_cli.engine.orbit_cycle import CycleMeasures
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.scene.plain_knob import SampledKnob
 
@@ -56,7 +56,7 @@ def scaled(amplitudes: Complex, period_samples: int, *, sample_period_s: float, 
 
 
 def of_holds(loop: Loop, older: Array, newer: Array, count: int) -> Complex:
-    """Amplitudes (count,), in counts, of the period whose drives are these (n each, see `engine.trace.trace`)."""
+    """Amplitudes (count,), in counts, of the period whose drives are these (n each, see `engine.orbit_holds.trace`)."""
     if loop.split > 0.0:
         return of_parts(loop, [(newer, loop.split, 1.0), (older, 0.0, loop.split)], count)
     return of_parts(loop, [(newer, 0.0, 1.0)], count)

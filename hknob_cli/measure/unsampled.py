@@ -11,11 +11,13 @@ from hknob_cli.engine.budget import FINEST
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.engine.unsampled import settling
-from hknob_cli.engine.unsampled.state_machine import acceleration, heading, place
-from hknob_cli.engine.unsampled.wall_pieces import (
+from hknob_cli.engine.unsampled.state_machine import (
     Unsampled,
+    acceleration,
+    heading,
     piece_drive,
     piece_stiffness,
+    place,
     potential,
     rest_range,
     wall_potential,

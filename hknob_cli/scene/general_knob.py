@@ -170,7 +170,7 @@ def _overflows(wall: Controller, body: Body) -> bool:
 
 
 def _clock(clock: SampleClock) -> Array:
-    """A clock as `engine.general.jitter` has it, at its beginning."""
+    """A clock as `engine.general.interval` has it, at its beginning."""
     longest = 1.0 + clock.jitter
     shortest, spread = (1.0 - clock.jitter) / longest, 2.0 * clock.jitter / longest
     return np.array([1.0, shortest, spread, float(clock.seed), 0.0, 1.0 / longest])

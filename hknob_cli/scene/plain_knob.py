@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hknob_cli.engine.loop import Loop, make_loop
-from hknob_cli.engine.unsampled.wall_pieces import Unsampled
+from hknob_cli.engine.unsampled.state_machine import Unsampled
 from hknob_cli.errors import ComputationError
 from hknob_cli.specs.plan import (
     COUNTS,

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.ensemble import begin
-from hknob_cli.engine.general.jitter import begin_clock, jitters, next_span
+from hknob_cli.engine.general.interval import begin_clock, jitters, next_span
 from hknob_cli.engine.general.search import as_compiled, as_list
 from hknob_cli.engine.general.trace import Rows, run
 from hknob_cli.engine.jit import compiled as compiled_functions

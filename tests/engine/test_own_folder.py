@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from hknob_cli.engine import jit
-from hknob_cli.engine.own_folder import make_own_folder, why_foreign
+from hknob_cli.engine.kept_code import make_own_folder, why_foreign
 
 LONG = "from hknob_cli.engine.jit import compiled, waiting; print(waiting('pulse')); compiled('pulse')"
 

@@ -13,7 +13,7 @@ from hknob_cli.engine.unsampled.settling import (
     settle_motion,
     swing_moments,
 )
-from hknob_cli.engine.unsampled.wall_pieces import Unsampled, highest_rest, rest_range
+from hknob_cli.engine.unsampled.state_machine import Unsampled, highest_rest, rest_range
 
 # Pushed into the wall by 1, and out of its first count by 3 - 1 = 2.
 BALL = Unsampled(alpha=0.0, beta=0.0, kappa=3.0, gamma=1.0, phi=0.0, offset=0.0, counted=1.0)

@@ -11,15 +11,17 @@ from hknob_cli.engine.unsampled.state_machine import (
     EDGE,
     ENDS,
     TURN,
+    Unsampled,
     crossing_time,
     damped_step,
     glide_time,
     heading,
     move_on,
     place,
+    potential,
+    rest_range,
     undamped_step,
 )
-from hknob_cli.engine.unsampled.wall_pieces import Unsampled, potential, rest_range
 
 BALL = Unsampled(alpha=0.0, beta=0.0, kappa=1.0, gamma=0.5, phi=0.0, offset=0.0, counted=1.0)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hknob_cli.engine.orbit.leak import potential
+from hknob_cli.engine.orbit_cycle import potential
 from hknob_cli.measure.general_orbit import split_leak
 from hknob_cli.specs.load import load
 from hknob_cli.stages.sweep.record import record_sweep

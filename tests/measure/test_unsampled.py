@@ -10,7 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from hknob_cli.engine.outcome import Outcome, Reason
-from hknob_cli.engine.unsampled.wall_pieces import potential, rest_range
+from hknob_cli.engine.unsampled.state_machine import potential, rest_range
 from hknob_cli.errors import ComputationError
 from hknob_cli.measure.unsampled import Motion, UnsampledTrial, events, settle
 from hknob_cli.scene.plain_knob import UnsampledKnob, reduce_unsampled

@@ -9,7 +9,7 @@ import pytest
 from hknob_cli.engine.budget import FINEST
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.unsampled import settling
-from hknob_cli.engine.unsampled.wall_pieces import Unsampled, potential, rest_range, wall_potential
+from hknob_cli.engine.unsampled.state_machine import Unsampled, potential, rest_range, wall_potential
 from hknob_cli.errors import ComputationError
 from hknob_cli.measure import unsampled
 from hknob_cli.measure.unsampled import CHATTER, Motion, UnsampledTrial, _is_doubtful, _reach, events, settle

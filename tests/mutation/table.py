@@ -14,7 +14,7 @@ GENERAL_CAPTURE = (f"{PROOF}test_general_capture_margins.py", f"{GENERAL_SETS}te
 GENERAL_CUTTING = (f"{PROOF}test_general_cutting_margins.py", f"{GENERAL_SETS}test_piece.py")
 FRICTION_SETS = tuple(f"{PROOF}test_{name}_margins.py" for name in ("friction_set", "friction_piece", "lagged_piece"))
 LAWS = (f"{PROOF}test_law_trial_margins.py",)
-ORBIT = ("tests/engine/orbit/",)
+ORBIT = ("tests/engine/test_orbit_cycle.py", "tests/engine/test_orbit_margins.py")
 FLANKS = (f"{PROOF}test_flank_rest_margins.py", f"{PROOF}test_teeth_margins.py")
 TEETH_ON_SLOPES = tuple(f"{GENERAL}test_{name}_on_slopes.py" for name in ("teeth", "told", "flanks"))
 TEETH = (
@@ -93,9 +93,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "rest.py": ("tests/engine/test_rest.py", f"{PROOF}test_rest_margins.py"),
     "follow.py": ("tests/engine/test_rest.py", f"{SETS}test_ball.py", f"{PROOF}test_follow_margins.py"),
     "sets/ball.py": CAPTURE,
-    "sets/known.py": CAPTURE,
     "sets/polygon.py": CUTTING,
-    "sets/lattice.py": CUTTING,
     "sets/arc.py": (f"{PROOF}test_arc_search_margins.py", f"{PROOF}test_arc_margins.py"),
     "sets/arc_cut.py": ARCS,
     "sets/box.py": (f"{PROOF}test_box_margins.py",),
@@ -103,13 +101,17 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "sets/search.py": (f"{PROOF}test_set_search_margins.py",),
     "sets/region.py": (f"{PROOF}test_convex_region_margins.py",),
     "sets/absorbing.py": (f"{PROOF}test_absorbing_margins.py", f"{PROOF}test_no_region_margins.py"),
-    **{f"orbit/{name}.py": ORBIT for name in ("cycle", "holds", "leak")},
+    **{f"orbit_{name}.py": ORBIT for name in ("cycle", "holds")},
     "measure/orbit.py": ("tests/measure/test_harmonics.py",),
     "measure/unsampled.py": tuple(f"tests/measure/test_unsampled{end}.py" for end in ("", "_margins")),
     "measure/growth.py": tuple(f"tests/measure/test_growth{end}.py" for end in ("", "_by_hand")),
     "general/columns.py": (f"{GENERAL}test_columns.py", f"{GENERAL}test_advance.py"),
     "general/trace.py": (f"{GENERAL}test_trace.py",),
-    "general/interval.py": (f"{PROOF}test_interval_margins.py", f"{PROOF}test_friction_alone_margins.py"),
+    "general/interval.py": (
+        *(f"{PROOF}test_{name}_margins.py" for name in ("interval", "friction_alone")),
+        f"{GENERAL}test_jitter.py",
+        *ABSENT,
+    ),
     "general/torque_table.py": (f"{GENERAL}test_torque_table.py", *ABSENT),
     "general/standstill.py": STANDSTILL,
     "general/inner_region.py": (f"{PROOF}test_region_margins.py", *FLANKS, f"{GENERAL}test_inner_region.py"),
@@ -117,12 +119,12 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/teeth_ends.py": TEETH,
     "general/flanks.py": (*TEETH, f"{GENERAL}test_turning_points.py"),
     "general/flank_rest.py": FLANKS,
-    "general/parting.py": (f"{GENERAL}test_parting.py",),
-    "general/jitter.py": (f"{GENERAL}test_jitter.py", *ABSENT),
     "general/powers.py": (f"{PROOF}test_power_margins.py", f"{GENERAL}test_powers.py"),
-    "general/orbit_proof.py": (f"{PROOF}test_period_map_margins.py",),
-    "general/period_map.py": (f"{PROOF}test_period_map_margins.py", f"{PROOF}test_turn_margins.py"),
-    "general/bent.py": (f"{PROOF}test_bent_margins.py",),
+    "general/orbit_proof.py": (f"{PROOF}test_period_map_margins.py", f"{PROOF}test_bent_margins.py"),
+    "general/period_map.py": (
+        *(f"{PROOF}test_{name}_margins.py" for name in ("period_map", "turn")),
+        f"{GENERAL}test_parting.py",
+    ),
     "general/torque_curve.py": (f"{GENERAL}test_curve_by_hand.py", f"{GENERAL}test_torque_curve.py", *ABSENT),
     "general/captured.py": (
         *(f"{PROOF}test_general_{name}_margins.py" for name in ("follow", "trial")),
@@ -135,10 +137,9 @@ WATCHED: dict[str, tuple[str, ...]] = {
         f"{GENERAL}test_inner_region.py",
     ),
     "general/looks.py": (
-        *(f"{PROOF}test_general_{name}_margins.py" for name in ("follow", "trial")),
+        *(f"{PROOF}test_{name}_margins.py" for name in ("general_follow", "general_trial", "law_trial")),
         f"{GENERAL}test_inner_region.py",
     ),
-    "general/checkpoint.py": (f"{PROOF}test_general_trial_margins.py", f"{PROOF}test_law_trial_margins.py"),
     "general/hysteresis.py": (f"{PROOF}test_hysteresis_margins.py", f"{GENERAL}test_turning_points.py", *ABSENT),
     "general/body.py": (f"{GENERAL}test_body.py",),
     "general/slide_two.py": (f"{PROOF}test_two_state_slides.py", f"{GENERAL}test_slides.py"),
@@ -154,7 +155,6 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/piece_marks.py": (f"{GENERAL}test_piece_marks.py", f"{PROOF}test_corner_margins.py"),
     "general/cog_rest.py": COG_REST,
     "general/laws/period.py": (f"{PROOF}test_law_period_margins.py", *FLANKS),
-    "general/laws/parting.py": (f"{GENERAL}test_parting.py",),
     "general/laws/trials.py": (f"{PROOF}test_law_ensemble_margins.py",),
     "general/laws/cascade.py": LAWS,
     "general/laws/rest.py": (
@@ -201,7 +201,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     **{f"general/sets/{name}.py": (f"{PROOF}test_set_room_margins.py",) for name in ("ends", "room", "scope")},
     "general/sets/convex.py": (f"{PROOF}test_convex_margins.py",),
     "general/sets/search.py": (f"{PROOF}test_general_search_margins.py",),
-    "general/laws/sensed.py": (f"{PROOF}test_sensed_margins.py",),
+    "general/laws/sensed.py": (f"{PROOF}test_sensed_margins.py", f"{GENERAL}test_parting.py"),
     "controllers/estimated_velocity.py": ("tests/controllers/test_fading_pair.py",),
     "hardware/sample_clock.py": tuple(f"tests/hardware/test_sample_clock{end}.py" for end in ("", "_margins")),
     "hardware/replay.py": tuple(f"tests/hardware/test_replay{end}.py" for end in ("", "_margins")),
@@ -217,7 +217,7 @@ FOLDERS: dict[str, tuple[str, ...]] = {
     "engine/general/sets/": (GENERAL_SETS, PROOF),
     "engine/general/": (*(f"{GENERAL}test_{name}.py" for name in BODIES), PROOF),
     "engine/sets/": (SETS, PROOF),
-    "engine/orbit/": ("tests/engine/orbit/", "tests/measure/"),
+    "engine/orbit_": (*ORBIT, "tests/measure/"),
     "engine/unsampled/": (
         *(f"tests/engine/test_{name}.py" for name in ("settling", "state_machine")),
         *(f"tests/measure/test_unsampled{end}.py" for end in ("", "_course")),
@@ -226,7 +226,7 @@ FOLDERS: dict[str, tuple[str, ...]] = {
     "engine/": (*(f"tests/engine/test_{name}.py" for name in PLAIN), PROOF),
     "controllers/": ("tests/controllers/",),
     "measure/": (
-        *("tests/measure/", "tests/engine/orbit/", "tests/stages/sweep/test_run.py"),
+        *("tests/measure/", *ORBIT, "tests/stages/sweep/test_run.py"),
         *(f"tests/verification/test_{name}.py" for name in OF_MEASURES),
     ),
     "specs/": (
@@ -244,14 +244,12 @@ GROUPS: dict[str, tuple[str, ...]] = {
         *(f"engine/{name}" for name in ("certificate", "rest", "follow", "sets/", "general/sets/", "general/laws/")),
         *(f"engine/general/{name}" for name in ("standstill", "inner", "powers", "period", "follow", "interval")),
     ),
-    "measures": ("measure/", "engine/orbit/"),
+    "measures": ("measure/", "engine/orbit_"),
     "engine": ("engine/", "controllers/"),
     "specs": ("specs/",),
     "hardware": ("hardware/",),
 }
-UNTRIED = tuple(
-    f"engine/{name}" for name in ("absent", "compiling", "jit", "kept_code", "linking", "own_folder", "alarm")
-)
+UNTRIED = tuple(f"engine/{name}" for name in ("absent", "compiling", "jit", "kept_code", "linking", "alarm"))
 # Of these files, what would take longer than all others together.
 LEFT_OUT = (
     f"{GENERAL}test_inner_region.py::test_the_share_at_rest_never_falls_with_the_limit",

@@ -140,9 +140,9 @@ def test_compiled_code_is_of_one_kind_whatever_is_forgotten() -> None:
         ("certificate.py", "distance"),
         ("certificate.py", "step_error"),
         ("certificate.py", "growth"),
-        ("sets/known.py", "captor"),
+        ("sets/ball.py", "captor"),
         ("sets/polygon.py", "clip"),
-        ("sets/lattice.py", "keep"),
+        ("sets/polygon.py", "keep"),
         ("general/standstill.py", "stays_held"),
     ],
 )

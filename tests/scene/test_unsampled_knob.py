@@ -4,8 +4,7 @@ import math
 
 import pytest
 
-from hknob_cli.engine.unsampled.state_machine import place
-from hknob_cli.engine.unsampled.wall_pieces import piece_drive
+from hknob_cli.engine.unsampled.state_machine import piece_drive, place
 from hknob_cli.errors import ComputationError
 from hknob_cli.scene.plain_knob import UnsampledKnob, reduce_unsampled
 from hknob_cli.specs.scene import SceneSpec

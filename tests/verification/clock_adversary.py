@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.engine.general.controller import command, read
-from hknob_cli.engine.general.jitter import SHORTEST
+from hknob_cli.engine.general.interval import SHORTEST
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.scene.general_knob import GeneralKnob
 

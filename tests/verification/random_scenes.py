@@ -379,8 +379,7 @@ def trial(knob: GeneralKnob, made: Any, start: list[float], nudge: float = 0.0) 
     """Positions at the samples of a trial by the package, interpreted; ``nudge``: relative, of the state at each."""
     from hknob_cli.engine.general.advance import advance_span
     from hknob_cli.engine.general.controller import read
-    from hknob_cli.engine.general.interval import advance, advance_jittering
-    from hknob_cli.engine.general.jitter import begin_clock
+    from hknob_cli.engine.general.interval import advance, advance_jittering, begin_clock
     from hknob_cli.engine.general.laws.step import advance_jittering_with_law, advance_with_law, begin_past
     from hknob_cli.engine.general.search import as_list
 

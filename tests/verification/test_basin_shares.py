@@ -10,7 +10,7 @@ from collections import Counter
 import pytest
 
 from hknob_cli.engine.attractors import Engine
-from hknob_cli.engine.trace import Holds, trace
+from hknob_cli.engine.orbit_holds import Holds, trace
 from tests import digits as mp
 
 from .reference import build_cell

@@ -12,7 +12,7 @@ import pytest
 from hknob_cli.engine.general.advance import advance_span
 from hknob_cli.engine.general.controller import command, edge_gap
 from hknob_cli.engine.general.inner_region import spring_of_command
-from hknob_cli.engine.general.jitter import SHORTEST
+from hknob_cli.engine.general.interval import SHORTEST
 from hknob_cli.engine.general.search import as_list
 from hknob_cli.engine.general.standstill import comes_to_rest
 from hknob_cli.engine.outcome import Outcome, Reason

@@ -14,10 +14,10 @@ from scipy.linalg import expm
 from hknob_cli.engine.attractors import Attractor
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.loop import Loop
+from hknob_cli.engine.orbit_holds import Holds, trace
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.engine.sets.room import make_arc_room, make_known
 from hknob_cli.engine.sets.search import Box, SetEngine
-from hknob_cli.engine.trace import Holds, trace
 from tests import digits as mp
 from tests.engine.sets.loops import follow_all
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hknob_cli.engine.general.jitter import begin_clock, next_span
+from hknob_cli.engine.general.interval import begin_clock, next_span
 from hknob_cli.engine.general.search import GeneralEngine
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome, Reason

@@ -14,7 +14,7 @@ import pytest
 from hknob_cli.controllers.scalar_law import LawKnob, make_law
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.ensemble import begin
-from hknob_cli.engine.general.jitter import begin_clock
+from hknob_cli.engine.general.interval import begin_clock
 from hknob_cli.engine.general.laws.search import LawEngine
 from hknob_cli.engine.general.laws.step import advance_jittering_with_law, begin_past
 from hknob_cli.engine.general.search import as_list

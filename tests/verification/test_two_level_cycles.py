@@ -54,7 +54,7 @@ def lists(sets: SetEngine, knob: SampledKnob) -> Lists:
 
 def samples_of(knob: SampledKnob, cycle: SampledCycle) -> tuple[np.ndarray, np.ndarray]:
     """Angles (rad) and velocities (rad/s) at the samples of an enumerated cycle, by the plain loop's own trace."""
-    from hknob_cli.engine.trace import Holds, trace
+    from hknob_cli.engine.orbit_holds import Holds, trace
 
     n = cycle.period
     xs, vs, _ = holds = Holds([0.0] * (n + 1), [0.0] * (n + 1), [0.0] * n)

@@ -1,14 +1,15 @@
 """The loop with whatever else a scene lists: friction, finger, lag, limits, virtual damping, a continuous sensor.
 
 - `body`, `controller` (encoder and wall), `torque_table`, `torque_curve` of a continuous sensor, `torque_range` of
-  either far out, `jitter` of the sample clock: the scene in numbers
-- `advance` from event to event, `hysteresis` of the count on the way
+  either far out: the scene in numbers
+- `interval` a sample interval, whose clock may jitter, `advance` from event to event, `hysteresis` of the count on the
+  way
 - `teeth` of a gear, one mode of their motion, `flanks` from mode to mode, `flank_rest`: how long they stay on one
 - `cogging` on one slope, `slopes` from slope to slope, `slope_columns` with the derivative, `cog_rest` on one
-- `period_map` the map over a period, `powers` of its derivative, `orbit_proof` the proof, `bent` where a torque over
-  the angle bends, `corners` over those of cogging
-- `inner_region` rest that is never reached, `captured` by an orbit that is known, or back where it was
-- `parting` of nearby motions, where they do not repeat
+- `period_map` the map over a period, and how fast motions part that do not repeat, `powers` of its derivative,
+  `orbit_proof` the proof, `corners` over those of cogging
+- `looks` at a trial on its way, `inner_region` rest that is never reached, `captured` by an orbit that is known, or
+  back where it was
 - `outlook`: how far trials are followed; `search`: what they come to
 - `every_clock` a bound for all clocks that jitter so much, by `clock_cells`
 - `laws/` the same loop under a controller

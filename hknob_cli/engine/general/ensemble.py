@@ -16,8 +16,7 @@ from hknob_cli.engine.general.body import copy_to
 from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.controller import read, read_after, told
 from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, CYCLE_PARTS, KNOWN, downgrade, follow_trial
-from hknob_cli.engine.general.interval import advance, pass_over
-from hknob_cli.engine.general.jitter import begin_clock
+from hknob_cli.engine.general.interval import advance, begin_clock, pass_over
 from hknob_cli.engine.general.laws.law import REST_NOT_PROVEN
 from hknob_cli.engine.general.orbit_proof import certify
 from hknob_cli.engine.general.torque_curve import has_curve, place_at

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.clock_cells import HOLD, LEVELS, THERE, Cells, Joined, rounded
 from hknob_cli.engine.general.controller import Controller
-from hknob_cli.engine.general.jitter import SHORTEST
+from hknob_cli.engine.general.interval import SHORTEST
 from hknob_cli.engine.propagator import hold_coefficients
 
 MOST_CELLS = 4_000_000  # of a grid, with those in which nothing is

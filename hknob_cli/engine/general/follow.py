@@ -20,21 +20,24 @@ from hknob_cli.engine.general.captured import (
     has_period,
     may_be_captured,
 )
-from hknob_cli.engine.general.checkpoint import (
+from hknob_cli.engine.general.cogging import gap_apart, has_cogs, has_gone
+from hknob_cli.engine.general.controller import command, depth_level, inside, read, read_after
+from hknob_cli.engine.general.interval import advance, advance_jittering, jitters, rubs_alone
+from hknob_cli.engine.general.laws.law import REST_NOT_PROVEN
+from hknob_cli.engine.general.looks import (
+    GOES_ON,
     Attempts,
     Checkpoint,
     Repeat,
     compare_with_checkpoint,
     keep_checkpoint,
+    last_look,
     leave_at,
+    look_again,
+    no_looks,
     pass_event,
+    unsettled,
 )
-from hknob_cli.engine.general.cogging import gap_apart, has_cogs, has_gone
-from hknob_cli.engine.general.controller import command, depth_level, inside, read, read_after
-from hknob_cli.engine.general.interval import advance, advance_jittering, rubs_alone
-from hknob_cli.engine.general.jitter import jitters
-from hknob_cli.engine.general.laws.law import REST_NOT_PROVEN
-from hknob_cli.engine.general.looks import GOES_ON, last_look, look_again, no_looks, unsettled
 from hknob_cli.engine.general.orbit_proof import AT_EVENT, EXPANDS, PARTS, certify
 from hknob_cli.engine.general.slide_two import step_with_friction
 

@@ -1,4 +1,14 @@
-"""One sample interval of the general loop: sense, command, and move under what is commanded."""
+"""One sample interval of the general loop: how long it is, sense, command, and move under what is commanded.
+
+A clock that jitters draws each interval evenly between two lengths, in the longest one. It is a flat array: the state
+of its random numbers, the shortest interval, by how much the longest is longer, the seed, the number of the first
+trial, and the interval that is meant, by which firmware has its numbers. The random numbers are those of Park & Miller
+(1988, "minimal standard"), s -> 16807 s mod 2^31 - 1, whose products a double holds exactly: compiled or not, they are
+the same.
+
+The compiler makes code of its own for scenes without any part of this kind, in which nothing of this is left: a clock
+that is None is known by its type. Beside other such parts it is empty (`search.as_compiled`).
+"""
 
 from hknob_cli.engine.general.advance import FREE, advance_hold, advance_span, rub_columns, rub_many
 from hknob_cli.engine.general.body import FIRST, SECOND, acceleration
@@ -6,8 +16,42 @@ from hknob_cli.engine.general.cogging import has_cogs, has_gone
 from hknob_cli.engine.general.columns import Columns, feed, spread_many, spread_two
 from hknob_cli.engine.general.controller import command, read_after
 from hknob_cli.engine.general.hysteresis import hold_and_count, turn_and_count
-from hknob_cli.engine.general.jitter import jitters, next_span
 from hknob_cli.engine.general.slide_two import step_with_friction
+
+STATE, SHORTEST, SPREAD, SEED, TRIAL, MEANT = range(6)
+FACTOR, MODULUS = 16807.0, 2147483647.0
+PASSED_OVER = 8  # numbers that are passed over: those of neighbouring trials are alike at first
+
+
+def jitters(clock):
+    """Whether intervals differ."""
+    if clock is None:
+        return False
+    return bool(len(clock))
+
+
+def next_span(clock):
+    """Length of the next interval, in the longest; 1 without jitter."""
+    if clock is None or not len(clock):
+        return 1.0
+    clock[STATE] = (FACTOR * clock[STATE]) % MODULUS
+    return clock[SHORTEST] + clock[SPREAD] * (clock[STATE] / MODULUS)
+
+
+def meant_pace(speed, clock):
+    """A speed in counts over the interval that is meant, from counts over the longest; the same without jitter."""
+    if clock is None or not len(clock):
+        return speed
+    return clock[MEANT] * speed
+
+
+def begin_clock(clock, trial):
+    """Set a clock to the beginning of a trial, by its number."""
+    if clock is None or not len(clock):
+        return
+    clock[STATE] = (65539.0 * clock[SEED] + 30269.0 * (trial + clock[TRIAL])) % (MODULUS - 1.0) + 1.0
+    for _ in range(PASSED_OVER):
+        clock[STATE] = (FACTOR * clock[STATE]) % MODULUS
 
 
 def hold(z, u, ring, head, body, wall, pad):

@@ -1,9 +1,14 @@
-"""The map over a period of the general loop, its derivative, and its fixed point by Newton's method.
+"""The map over a period of the general loop, its derivative and fixed point, and how fast nearby motions part.
 
 From a trial whose readings seem to repeat, the map's derivative is carried through every event. Beside it are the least
-distances of the motion from what would change its course: edges of counts, and events between samples.
+distances of the motion from what would change its course: edges of counts, and events between samples. The fixed point
+is found by Newton's method.
+
+Along any motion the derivative gives the largest Lyapunov exponent, an average over a time that ends. Above 0
+neighbours part for good, and a bounded motion that repeats is not to be expected (Benettin et al. 1980).
 """
 
+from math import log, sqrt
 from typing import Any, NamedTuple
 
 from hknob_cli.engine.certificate import EPSILON
@@ -25,6 +30,50 @@ from hknob_cli.engine.general.flank_rest import flank_room_on
 from hknob_cli.engine.general.hysteresis import hold_and_count
 from hknob_cli.engine.general.interval import advance_columns
 from hknob_cli.engine.general.powers import invert
+
+
+def normalise(cols, width, m):
+    """Bring ``m`` columns, taken together, back to the length 1; their length before."""
+    size = 0.0
+    for c in range(m):
+        for i in range(m):
+            size += cols[c * width + i] * cols[c * width + i]
+    size = sqrt(size)
+    if size > 0.0:
+        for c in range(m):
+            for i in range(m):
+                cols[c * width + i] /= size
+    return size
+
+
+def parting_rate(z, before, ring, samples, body, wall, space):
+    """Mean growth of the logarithm of a difference of motions, per sample.
+
+    With an encoder they have the same readings; a continuous sensor's torques follow the difference.
+
+    Args:
+        z: State at the start, left at the end.
+        before: Reading one sample before.
+        ring: Commands under way, oldest first.
+        samples: How long the motion is followed.
+        body: What moves.
+        wall: What commands.
+        space: Work space of the general loop.
+    """
+    width = space.width
+    n = width if wall.analog > 0.0 else body.order
+    for c in range(n):
+        for i in range(width):
+            space.cols[c * width + i] = 1.0 if i == c else 0.0
+    total, head = 0.0, 0 * len(ring)
+    for _ in range(samples):
+        before, head = advance_columns(z, before, ring, head, body, wall, space, n)
+        size = normalise(space.cols, width, n)
+        if not size > 0.0:
+            return -float("inf")
+        total += log(size)
+    return total / samples
+
 
 NEWTON_STEPS = 8
 

@@ -24,14 +24,14 @@ from hknob_cli.engine.attractors import (
     why_unrepeated,
 )
 from hknob_cli.engine.budget import TrialBudget
-from hknob_cli.engine.general import ensemble, parting, trace
+from hknob_cli.engine.general import ensemble, period_map, trace
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.captured import FIELDS
 from hknob_cli.engine.general.columns import MARKS
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.corners import MOST_PARTS
 from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, CYCLE_PARTS
-from hknob_cli.engine.general.jitter import TRIAL
+from hknob_cli.engine.general.interval import TRIAL
 from hknob_cli.engine.general.laws.law import CYCLE_AT_SWITCH, CYCLE_NOT_AFFINE, REST_NOT_PROVEN
 from hknob_cli.engine.general.outlook import Outlook, make_outlook
 from hknob_cli.engine.general.period_map import Space
@@ -143,8 +143,8 @@ class GeneralEngine(Runner):
     def _begin(self) -> None:
         self._run_trials = self._function("general.run_trials", ensemble.run_trials)
         self._chart = self._function("general.chart_period", trace.chart_period)
-        self._part = self._function("general.parting_rate", parting.parting_rate)
-        self.compiled_leak = self._functions["orbit.find_leak"] if self._functions else None
+        self._part = self._function("general.parting_rate", period_map.parting_rate)
+        self.compiled_leak = self._functions["find_leak"] if self._functions else None
 
     torques = staticmethod(torque_range)  # what is commanded far out
 
@@ -234,7 +234,7 @@ class GeneralEngine(Runner):
         )
 
     def parting_rate(self, body: Body, wall: Controller, end: Attractor, samples: int) -> float:
-        """How fast motions near the end of a trial part, per sample: see `engine.general.parting`."""
+        """How fast motions near the end of a trial part, per sample: see `engine.general.period_map`."""
         ready, wall = self._ready_for_loop(body, wall)
         space = make_space(body.order, len(end.line), self.zeros)
         state, line = self.filled([end.x, end.v, *end.state]), self.filled(end.line)

@@ -15,7 +15,7 @@ from hknob_cli.engine.general.inner_region import (
     hold_zone,
     keeps_reading,
 )
-from hknob_cli.engine.general.jitter import jitters
+from hknob_cli.engine.general.interval import jitters
 from hknob_cli.engine.general.torque_curve import has_curve
 from hknob_cli.engine.general.torque_table import is_there
 from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, REST_ON_EDGE, RINGS

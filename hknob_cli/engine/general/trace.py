@@ -7,8 +7,7 @@ from hknob_cli.engine.general.body import acceleration
 from hknob_cli.engine.general.cogging import has_cogs
 from hknob_cli.engine.general.controller import command, read_after
 from hknob_cli.engine.general.flanks import play_chart
-from hknob_cli.engine.general.interval import advance, advance_jittering
-from hknob_cli.engine.general.jitter import begin_clock, jitters, next_span
+from hknob_cli.engine.general.interval import advance, advance_jittering, begin_clock, jitters, next_span
 from hknob_cli.engine.general.slide_two import way
 from hknob_cli.engine.general.slopes import cog_chart
 

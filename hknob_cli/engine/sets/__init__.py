@@ -1,9 +1,8 @@
 """Every start at once: sets of states followed as exactly as single trials, cut only where a count edge parts them.
 
-- `centre` what is handed on: trials, the state a polygon is told from, how far motions go
-- `ball` a set of states sample by sample, `known` what captures it, `arc` all clock phases, `arc_cut` where they
-  cross edges, `polygon` and `box` all starts in a range, `lattice` merges, `region` and `absorbing` what all motions
-  come into, `cells` many cells at once, `search` them all
+- `ball` a set of states sample by sample, and what captures it, `arc` all clock phases, `arc_cut` where they cross
+  edges, `polygon` and `box` all starts in a range, `region` and `absorbing` what all motions come into, `cells` many
+  cells at once, `search` them all
 
 All starts at once (`engine/sets/`). Between count edges a set of states moves as one trial. It is followed by its
 centre and a radius, in the norm that never grows. Only where that ball meets an edge is the set itself looked at, and

@@ -19,11 +19,11 @@ from hknob_cli.engine.sets.ball import (
     GREW,
     MEETS_EDGE,
     OUT_OF_SAMPLES,
+    Trial,
+    add_end,
     follow_ball,
     step_through,
 )
-from hknob_cli.engine.sets.centre import Trial
-from hknob_cli.engine.sets.known import add_end
 
 # Numbers of an arc that waits: low and high phase, sample, x, v, error, level, run, next test, radius, samples in no
 # known attractor, and those after which one is looked for (0: as many as for all).

@@ -12,12 +12,13 @@ from hknob_cli.engine.sets.ball import (
     GREW,
     MEETS_EDGE,
     STEPS_DEEPER,
+    Centre,
+    Scope,
+    Trial,
+    add_end,
     follow_ball,
     step_through,
 )
-from hknob_cli.engine.sets.centre import Centre, Scope, Trial
-from hknob_cli.engine.sets.known import add_end
-from hknob_cli.engine.sets.lattice import forget, keep
 from hknob_cli.engine.sets.polygon import (
     COUNT,
     ERROR,
@@ -29,6 +30,8 @@ from hknob_cli.engine.sets.polygon import (
     X,
     blur,
     corner_radius,
+    forget,
+    keep,
     move_corners,
     part,
     put,

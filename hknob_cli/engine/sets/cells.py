@@ -20,7 +20,7 @@ from hknob_cli.engine.sets.arc import (
     begin_arcs,
     follow_arcs,
 )
-from hknob_cli.engine.sets.centre import Start
+from hknob_cli.engine.sets.ball import Start
 from hknob_cli.engine.sets.room import ArcRoom
 
 TOLD = 3  # numbers that are told of a cell: whether its list is complete, its arcs, the error of a share

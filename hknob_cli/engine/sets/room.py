@@ -4,8 +4,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from hknob_cli.engine.sets.arc import ARC, PROGRESS
-from hknob_cli.engine.sets.lattice import CELL
-from hknob_cli.engine.sets.polygon import CORNERS, POLYGON
+from hknob_cli.engine.sets.polygon import CELL, CORNERS, POLYGON
 
 ENDS = 1024  # distinct ends that a cell keeps
 POINTS = 16_384  # samples of proven orbits at which sets are compared with them

@@ -27,11 +27,11 @@ from hknob_cli.engine.budget import OPEN, UNHELD, prospect
 from hknob_cli.engine.follow import CYCLE_PROVEN, REST_PROVEN, UNDAMPED
 from hknob_cli.engine.loop import Loop
 from hknob_cli.engine.outcome import Outcome, Reason
-from hknob_cli.engine.sets import arc, box, cells, lattice, region
-from hknob_cli.engine.sets import known as known_ends
+from hknob_cli.engine.sets import arc, box, cells, polygon, region
+from hknob_cli.engine.sets import ball as known_ends
 from hknob_cli.engine.sets.absorbing import RegionFinder, pushes, states_in
+from hknob_cli.engine.sets.ball import Scope, Start
 from hknob_cli.engine.sets.cells import first_patience
-from hknob_cli.engine.sets.centre import Scope, Start
 from hknob_cli.engine.sets.polygon import POLYGON, WEIGHT
 from hknob_cli.engine.sets.room import make_arc_room, make_known, make_polygon_room, make_region_room
 
@@ -180,7 +180,7 @@ class SetEngine(Runner):
         if followed < SAMPLED:
             return self._boxed(known, int(taken), 0, 1.0, unproven, Reason.TIME_LIMIT, SAMPLED - followed)
         follow, seek_some = self._of(box, "follow_generation"), self._of(box, "seek_some")
-        release = self._of(lattice, "release")
+        release = self._of(polygon, "release")
         fill()
         across = max(states.high_x - states.low_x, (states.high_v - states.low_v) / sqrt(loop.beta))
         width, waiting, pieces, undecided = across / WIDEST, 1, 0, 0.0

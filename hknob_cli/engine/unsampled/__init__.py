@@ -1,6 +1,6 @@
 """The knob without a sample clock: an exact state machine, from one encoder edge to the next.
 
-- `wall_pieces`, `state_machine` from event to event, `settling` to the end of a trial
+- `state_machine` from event to event, `settling` to the end of a trial
 
 Without a sample clock the wall's torque is a function of the angle that never falls with depth, so the potential is
 convex: where the knob can rest is known before it moves, and chatter over a count edge need not be followed through

@@ -24,11 +24,12 @@ from hknob_cli.engine.unsampled.state_machine import (
     acceleration,
     heading,
     move_on,
+    piece_stiffness,
     place,
+    potential,
     set_off,
     time_to,
 )
-from hknob_cli.engine.unsampled.wall_pieces import piece_stiffness, potential
 
 # Gauss-Legendre, 10 nodes: the positive ones and their weights (Abramowitz & Stegun, table 25.4).
 NODES = (0.14887433898163122, 0.4333953941292472, 0.6794095682990244, 0.8650633666889845, 0.9739065285171717)

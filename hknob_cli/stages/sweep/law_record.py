@@ -10,7 +10,7 @@ from hknob_cli.engine.general.advance import advance_span
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import read, read_after
 from hknob_cli.engine.general.hysteresis import turn_and_count
-from hknob_cli.engine.general.jitter import begin_clock, jitters, next_span
+from hknob_cli.engine.general.interval import begin_clock, jitters, next_span
 from hknob_cli.engine.general.laws.law import LOOK, PIECE, SPAN, TORQUE
 from hknob_cli.engine.general.laws.step import begin_past, sense
 

@@ -12,7 +12,7 @@ from hknob_cli.engine.general.advance import advance_span
 from hknob_cli.engine.general.body import CONSTANT, CONSTANT_HELD, CONSTANT_STUCK, Body
 from hknob_cli.engine.general.controller import command, read, read_after
 from hknob_cli.engine.general.hysteresis import turn_and_count
-from hknob_cli.engine.general.jitter import begin_clock, jitters, next_span
+from hknob_cli.engine.general.interval import begin_clock, jitters, next_span
 from hknob_cli.engine.general.search import as_list
 from hknob_cli.measure.unsampled import events
 from hknob_cli.results.arrays import build_table

@@ -31,7 +31,7 @@ from hknob_cli.engine.general.clock_cells import (
     widest_range,
 )
 from hknob_cli.engine.general.controller import Controller, command, edge_gap, read
-from hknob_cli.engine.general.jitter import SHORTEST
+from hknob_cli.engine.general.interval import SHORTEST
 from hknob_cli.engine.general.search import as_list
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.scene.general_knob import GeneralKnob

@@ -2,7 +2,7 @@
 
 import pytest
 
-from hknob_cli.engine.general.jitter import (
+from hknob_cli.engine.general.interval import (
     MEANT,
     SEED,
     SHORTEST,

@@ -7,15 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hknob_cli.engine.general import parting
+from hknob_cli.engine.general import period_map
 from hknob_cli.engine.general.controller import Controller, read_after
 from hknob_cli.engine.general.interval import advance
-from hknob_cli.engine.general.laws import parting as with_law
+from hknob_cli.engine.general.laws import sensed as with_law
 from hknob_cli.engine.general.laws.law import LOOK, PIECE, TORQUE
-from hknob_cli.engine.general.laws.parting import parting_with_law, slope_columns
+from hknob_cli.engine.general.laws.sensed import parting_with_law, slope_columns
 from hknob_cli.engine.general.laws.step import advance_with_law, begin_past
-from hknob_cli.engine.general.parting import normalise, parting_rate
-from hknob_cli.engine.general.period_map import Space
+from hknob_cli.engine.general.period_map import Space, normalise, parting_rate
 from hknob_cli.engine.general.search import make_space
 
 from .gears import geared
@@ -71,7 +70,7 @@ def test_the_rate_is_the_mean_logarithm_of_a_growth(monkeypatch: pytest.MonkeyPa
     """Of all samples but that all columns together begin longer than one: by their first length, once."""
     for matrix, rate in (([[2.0, 0.0], [0.0, 0.5]], log(2.0)), ([[0.25, 0.0], [0.0, 0.25]], log(0.25))):
         one, space = Map(matrix), make_space(2, 3, zeros)
-        monkeypatch.setattr(parting, "advance_columns", one.advance)
+        monkeypatch.setattr(period_map, "advance_columns", one.advance)
         z = [5.0, 6.0]
         found = parting_rate(z, -3.0, [1.0, 2.0, 3.0], 40, SimpleNamespace(order=2), COUNTED, space)
         true = np.linalg.norm(np.linalg.matrix_power(one.matrix, 40))
@@ -80,7 +79,7 @@ def test_the_rate_is_the_mean_logarithm_of_a_growth(monkeypatch: pytest.MonkeyPa
         assert z == [45.0, 6.0]
         assert [(seen[1], seen[2]) for seen in one.seen] == [(-3.0 - k, k) for k in range(40)]
     one = Map([[0.0, 1.0], [0.0, 0.0]])
-    monkeypatch.setattr(parting, "advance_columns", one.advance)
+    monkeypatch.setattr(period_map, "advance_columns", one.advance)
     two = SimpleNamespace(order=2)
     assert parting_rate([5.0, 6.0], -3.0, [], 40, two, COUNTED, make_space(2, 0, zeros)) == -inf
     assert len(one.seen) == 2

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from hknob_cli.engine.general import trace
-from hknob_cli.engine.general.jitter import begin_clock, next_span
+from hknob_cli.engine.general.interval import begin_clock, next_span
 from hknob_cli.engine.general.trace import Pieces, Rows, chart, chart_period, run
 
 from .bodies import knob

@@ -1,7 +1,6 @@
 """Little work space for tests of polygons, in the interpreter."""
 
-from hknob_cli.engine.sets.lattice import CELL
-from hknob_cli.engine.sets.polygon import CORNERS, POLYGON
+from hknob_cli.engine.sets.polygon import CELL, CORNERS, POLYGON
 from hknob_cli.engine.sets.room import PolygonRoom
 
 

@@ -15,8 +15,7 @@ from hknob_cli.engine.loop import make_loop
 from hknob_cli.engine.sets import arc
 from hknob_cli.engine.sets.arc import ARC, COVERED, DONE, PATIENCE, PROGRESS, SHORTEST, SPENT, TAKEN, UNDECIDED, WHOLE
 from hknob_cli.engine.sets.arc_cut import arc_speed, free_motion
-from hknob_cli.engine.sets.ball import CAPTURED, FIRST_REST_TEST, GREW, MEETS_EDGE, OUT_OF_SAMPLES
-from hknob_cli.engine.sets.centre import Start, Trial
+from hknob_cli.engine.sets.ball import CAPTURED, FIRST_REST_TEST, GREW, MEETS_EDGE, OUT_OF_SAMPLES, Start, Trial
 from hknob_cli.engine.sets.room import ArcRoom
 from tests.engine.sets.loops import known, zeros
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from hknob_cli.engine.general.bent import (
+from hknob_cli.engine.general.orbit_proof import (
     TAIL,
     answer_to_torque,
     holds_though_bent,

@@ -10,6 +10,7 @@ import pytest
 from hknob_cli.engine.certificate import EPSILON, ON_EDGE, certify, step_error
 from hknob_cli.engine.follow import CYCLE_ON_EDGE, CYCLE_PROVEN, GREW, REST_EDGE, REST_PROVEN, follow
 from hknob_cli.engine.loop import Loop, drive_of, interval, level_of, make_loop
+from hknob_cli.engine.sets.ball import Scope, add_end
 from hknob_cli.engine.sets.box import (
     ENDED,
     KEPT,
@@ -25,8 +26,6 @@ from hknob_cli.engine.sets.box import (
     seek,
     seek_some,
 )
-from hknob_cli.engine.sets.centre import Scope
-from hknob_cli.engine.sets.known import add_end
 from hknob_cli.engine.sets.polygon import COUNT, ERROR, LEVEL, POLYGON, SAMPLE, WEIGHT, V, X
 from hknob_cli.engine.sets.room import Known, PolygonRoom, make_known
 

@@ -8,8 +8,8 @@ import pytest
 from hknob_cli.engine.certificate import EPSILON, step_error
 from hknob_cli.engine.follow import CYCLE_CONTINUUM, CYCLE_ON_EDGE, CYCLE_PROVEN, GREW, REST_PROVEN
 from hknob_cli.engine.loop import Loop, interval, level_of, make_loop, push
-from hknob_cli.engine.sets import ball, known
-from hknob_cli.engine.sets.centre import Trial
+from hknob_cli.engine.sets import ball
+from hknob_cli.engine.sets.ball import Trial
 from hknob_cli.engine.sets.room import Known, make_known
 
 from .orbits import Orbit, orbits
@@ -121,27 +121,27 @@ def test_a_ball_is_captured_below_the_margin_less_its_error() -> None:
     """3/8, at and beside the orbit's own sample."""
     one = make_loop(1.0, 4.0, 1.0, 1.0, 1.0, 0.0, 0.0)
     ends = planted(0.5, 0.125, (0, -0.25, 0.5))
-    assert known.captor(-0.25, 0.5, nextafter(0.375, 0.0), [], 0, ends, one) == 0
-    assert known.captor(-0.25, 0.5, 0.375, [], 0, ends, one) == -1
+    assert ball.captor(-0.25, 0.5, nextafter(0.375, 0.0), [], 0, ends, one) == 0
+    assert ball.captor(-0.25, 0.5, 0.375, [], 0, ends, one) == -1
     apart = 0.25 * (1.0 + 2.0 * EPSILON)  # as `distance` rounds it
-    assert known.captor(-0.25, 1.0, 0.375 - apart, [], 0, ends, one) == -1
-    assert known.captor(-0.25, 1.0, 0.375 - apart - EPSILON, [], 0, ends, one) == 0
+    assert ball.captor(-0.25, 1.0, 0.375 - apart, [], 0, ends, one) == -1
+    assert ball.captor(-0.25, 1.0, 0.375 - apart - EPSILON, [], 0, ends, one) == 0
     far = planted(0.5, 0.125, (0, -4.25, 0.5))  # where the room that is left is below the last digit
-    assert known.captor(-4.25, 0.5, nextafter(0.375, 0.0), [], 0, far, one) == 0
+    assert ball.captor(-4.25, 0.5, nextafter(0.375, 0.0), [], 0, far, one) == 0
     for side in (-1.0, 1.0):
-        assert known.captor(-0.25 + side * 0.25, 0.5, 0.124, [], 0, ends, one) == 0
-        assert known.captor(-0.25 + side * 0.25, 0.5, 0.126, [], 0, ends, one) == -1
-        assert known.captor(-0.25, 0.5 + side * 0.5, 0.124, [], 0, ends, one) == 0
-        assert known.captor(-0.25, 0.5 + side * 0.5, 0.126, [], 0, ends, one) == -1
-        assert known.captor(-0.25 + side * 0.15, 0.5 + side * 0.4, 0.124, [], 0, ends, one) == 0  # 3, 4, 5
-        assert known.captor(-0.25 + side * 0.15, 0.5 + side * 0.4, 0.126, [], 0, ends, one) == -1
+        assert ball.captor(-0.25 + side * 0.25, 0.5, 0.124, [], 0, ends, one) == 0
+        assert ball.captor(-0.25 + side * 0.25, 0.5, 0.126, [], 0, ends, one) == -1
+        assert ball.captor(-0.25, 0.5 + side * 0.5, 0.124, [], 0, ends, one) == 0
+        assert ball.captor(-0.25, 0.5 + side * 0.5, 0.126, [], 0, ends, one) == -1
+        assert ball.captor(-0.25 + side * 0.15, 0.5 + side * 0.4, 0.124, [], 0, ends, one) == 0  # 3, 4, 5
+        assert ball.captor(-0.25 + side * 0.15, 0.5 + side * 0.4, 0.126, [], 0, ends, one) == -1
 
 
 def test_each_orbit_captures_by_its_own_margin() -> None:
     ends = planted(0.5, 0.125, (0, -0.25, 0.5), (1, -5.25, 0.5), (1, -7.25, 0.5), rows=2)
     for x in (-5.25, -7.25):
-        assert known.captor(x, 0.5, 0.187, [], 0, ends, SOFT) == 1
-        assert known.captor(x, 0.5, 0.188, [], 0, ends, SOFT) == -1
+        assert ball.captor(x, 0.5, 0.187, [], 0, ends, SOFT) == 1
+        assert ball.captor(x, 0.5, 0.188, [], 0, ends, SOFT) == -1
 
 
 @pytest.mark.parametrize("margins", [(0.375, 0.125), (0.125, 0.375)])
@@ -150,10 +150,10 @@ def test_an_orbit_captures_by_its_own_margin_whichever_was_entered_last(margins:
     ends = room()
     for row, margin in enumerate(margins):
         ends.table[10 * row + 4] = margin
-        known.add_point(row, -0.25 - 5.0 * row, 0.5, [], 0, ends)
+        ball.add_point(row, -0.25 - 5.0 * row, 0.5, [], 0, ends)
     for row, margin in enumerate(margins):
-        assert known.captor(-0.25 - 5.0 * row, 0.5, margin - 1e-6, [], 0, ends, SOFT) == row
-        assert known.captor(-0.25 - 5.0 * row, 0.5, margin + 1e-6, [], 0, ends, SOFT) == -1
+        assert ball.captor(-0.25 - 5.0 * row, 0.5, margin - 1e-6, [], 0, ends, SOFT) == row
+        assert ball.captor(-0.25 - 5.0 * row, 0.5, margin + 1e-6, [], 0, ends, SOFT) == -1
 
 
 def test_a_rest_point_captures_below_its_margin_less_all_roundings() -> None:
@@ -161,18 +161,18 @@ def test_a_rest_point_captures_below_its_margin_less_all_roundings() -> None:
     unit = EPSILON
     for x, v, reach in ((-0.5, 0.0, 0.5), (-0.25, 0.0, 0.25), (-0.75, 0.0, 0.25), (-0.5, 0.25, 0.25), (-0.2, 0.4, 0.0)):
         ends = room()
-        assert known.resting(x, v, reach - 24.0 * unit, -1.0, [], 0, ends, RESTS) == -1
+        assert ball.resting(x, v, reach - 24.0 * unit, -1.0, [], 0, ends, RESTS) == -1
         if reach > 0.0:
-            assert known.resting(x, v, reach - 26.0 * unit, -1.0, [], 0, ends, RESTS) == 0
+            assert ball.resting(x, v, reach - 26.0 * unit, -1.0, [], 0, ends, RESTS) == 0
             assert ends.table[:4] == [REST_PROVEN, 1, -0.5, 0.0]
-    assert known.resting(-0.5, 0.0, 0.5 - 25.0 * unit, -1.0, [], 0, room(), RESTS) == 0
+    assert ball.resting(-0.5, 0.0, 0.5 - 25.0 * unit, -1.0, [], 0, room(), RESTS) == 0
     ringing = make_loop(0.0, 1.0, 1.0, 1.5, 1.0, 0.0, 0.0)
-    assert known.resting(-0.4, 0.0, 0.0, -1.0, [], 0, room(), ringing) == -1  # swings for ever
+    assert ball.resting(-0.4, 0.0, 0.0, -1.0, [], 0, room(), ringing) == -1  # swings for ever
 
 
 def test_an_other_command_under_way_may_drive_it_out() -> None:
     for line, row in (([-1.0, -1.0], 0), ([0.0, -1.0], -1), ([-1.0, 0.0], -1)):
-        assert known.resting(-0.5, 0.0, 0.0, -1.0, line, 0, room(2), RESTS) == row
+        assert ball.resting(-0.5, 0.0, 0.0, -1.0, line, 0, room(2), RESTS) == row
 
 
 # What is entered.
@@ -182,7 +182,7 @@ def test_an_other_command_under_way_may_drive_it_out() -> None:
 def test_the_samples_at_which_the_wall_steps_deeper_are_entered(one: Orbit) -> None:
     """Each of a period once, with what is under way."""
     delay, ends = len(one.ring), room(len(one.ring))
-    known.add_points(5, one.x, one.v, list(one.ring), one.head, one.n, ends, one.loop)
+    ball.add_points(5, one.x, one.v, list(one.ring), one.head, one.n, ends, one.loop)
     x, v, line, at, before, expected = one.x, one.v, list(one.ring), one.head, 1.0, []
     for i in range(2 * one.n):
         level = level_of(x, one.loop.sense)
@@ -192,7 +192,7 @@ def test_the_samples_at_which_the_wall_steps_deeper_are_entered(one: Orbit) -> N
         older, newer = push(level, line, at, one.loop)
         x, v = interval(x, v, older, newer, one.loop)
         at = (at + 1) % delay if delay else 0
-    expected = expected[: known.POINTS_OF_ORBIT]
+    expected = expected[: ball.POINTS_OF_ORBIT]
     assert expected
     assert ends.counts[1] == len(expected)
     for k, (row, x, v, line) in enumerate(sorted(expected, key=lambda one: one[1])):
@@ -205,17 +205,17 @@ def test_no_more_samples_are_entered_than_there_is_room_for() -> None:
     ends = room()
     long = make_loop(0.05, 0.01, 0.5, 0.3, 1.0, 0.0, 0.0)
     for times in (1, 2):
-        known.add_points(0, 2.0, 0.0, [], 0, 3000, ends, long)
+        ball.add_points(0, 2.0, 0.0, [], 0, 3000, ends, long)
         assert ends.counts[1] == 64 * times
     for size in (3, 5, 6):
         short = ends._replace(points=zeros(size), counts=[0.0, 0.0, 0.0])
-        known.add_points(0, 2.0, 0.0, [], 0, 3000, short, long)
+        ball.add_points(0, 2.0, 0.0, [], 0, 3000, short, long)
         assert short.counts[1] == size // 3
 
 
 def enter(one: Orbit, ends: Known, fate: int = CYCLE_PROVEN, n: int | None = None, off: float = 0.0) -> int:
     given = fate, one.n if n is None else n, one.x + off, one.v, list(one.ring), one.head
-    return known.add_end(*given, ends, one.loop)
+    return ball.add_end(*given, ends, one.loop)
 
 
 @pytest.mark.parametrize("one", ORBITS[:8], ids=lambda one: f"{one.n} samples, {len(one.ring)} under way")
@@ -246,9 +246,9 @@ def test_a_proven_end_is_entered_as_it_is_proven(one: Orbit) -> None:
 
 def test_an_end_without_an_orbit_has_no_margins() -> None:
     ends = room()
-    assert known.add_end(GREW, 0, 1e7, 3.0, [], 0, ends, SOFT) == 0
+    assert ball.add_end(GREW, 0, 1e7, 3.0, [], 0, ends, SOFT) == 0
     assert ends.table[:10] == [GREW, 0, 1e7, 3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
-    assert known.add_end(REST_PROVEN, 1, -0.5, 0.0, [], 0, ends, RESTS) == 1
+    assert ball.add_end(REST_PROVEN, 1, -0.5, 0.0, [], 0, ends, RESTS) == 1
     assert ends.table[10:20] == [REST_PROVEN, 1, -0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
     assert ends.counts == [2.0, 0.0, 0.0]
 
@@ -256,7 +256,7 @@ def test_an_end_without_an_orbit_has_no_margins() -> None:
 def test_a_full_table_says_so() -> None:
     for size, rows in ((29, [0, 1, -1, -1]), (30, [0, 1, 2, -1])):
         ends = room()._replace(table=zeros(size))
-        assert [known.add_end(REST_PROVEN, 1, -0.1 * k, 0.0, [], 0, ends, RESTS) for k in range(4)] == rows
+        assert [ball.add_end(REST_PROVEN, 1, -0.1 * k, 0.0, [], 0, ends, RESTS) for k in range(4)] == rows
         assert ends.counts[0] == max(rows) + 1.0
 
 
@@ -268,7 +268,7 @@ def test_a_shorter_period_that_is_not_proven_is_not_taken(monkeypatch: pytest.Mo
     def halved(*given: Any) -> tuple[float, float, int, int]:
         return given[0], given[1], given[3], shorter[0]
 
-    monkeypatch.setattr(known, "deepest", halved)
+    monkeypatch.setattr(ball, "deepest", halved)
     for n, turns, entered in ((one.n // 2, one.n, one.n), (one.n, one.n, one.n), (one.n, 2 * one.n, one.n)):
         ends, shorter[:] = room(), [n]
         assert enter(one, ends, n=turns) == 0
@@ -287,7 +287,7 @@ def test_the_margin_of_states_is_kept_through_a_period() -> None:
         x, v = ends.points[1], ends.points[2]
         for k in range(8):
             apart = ((k % 3) - 1.0) * 0.7 * ends.table[4], (k // 3 - 1.0) * 0.7 * ends.table[4] * sqrt(one.loop.beta)
-            if known.captor(x + apart[0], v + apart[1], 0.0, [], 0, ends, one.loop) < 0:
+            if ball.captor(x + apart[0], v + apart[1], 0.0, [], 0, ends, one.loop) < 0:
                 continue
             a, b = (x, v), (x + apart[0], v + apart[1])
             for _ in range(3 * one.n):

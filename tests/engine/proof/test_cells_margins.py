@@ -13,9 +13,10 @@ from hknob_cli.engine.cells import CELL, FIELD, Asked
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.follow import UNSETTLED
 from hknob_cli.engine.loop import make_loop
-from hknob_cli.engine.orbit.holds import LENGTH
+from hknob_cli.engine.orbit_holds import LENGTH
 from hknob_cli.engine.sets import cells
 from hknob_cli.engine.sets.arc import COVERED, DONE, PROGRESS, TAKEN, UNDECIDED, WAITING, WHOLE
+from hknob_cli.engine.sets.ball import Start
 from hknob_cli.engine.sets.cells import (
     TOLD,
     UNFOLLOWED,
@@ -26,7 +27,6 @@ from hknob_cli.engine.sets.cells import (
     run_arc_cells,
     share_error,
 )
-from hknob_cli.engine.sets.centre import Start
 from hknob_cli.engine.sets.room import ArcRoom
 from tests.engine.sets.loops import known as room_of
 

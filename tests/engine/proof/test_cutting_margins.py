@@ -8,13 +8,13 @@ import pytest
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.loop import Loop, make_loop
-from hknob_cli.engine.sets.ball import step_through
-from hknob_cli.engine.sets.centre import Centre
-from hknob_cli.engine.sets.lattice import CELL, MEMBERS, keep, release, slot
+from hknob_cli.engine.sets.ball import Centre, step_through
 from hknob_cli.engine.sets.polygon import (
+    CELL,
     COUNT,
     ERROR,
     LEVEL,
+    MEMBERS,
     POLYGON,
     SAMPLE,
     WEIGHT,
@@ -23,10 +23,13 @@ from hknob_cli.engine.sets.polygon import (
     blur,
     clip,
     corner_radius,
+    keep,
     move_corners,
     part,
     put,
     put_next,
+    release,
+    slot,
 )
 from hknob_cli.engine.sets.room import PolygonRoom
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from hknob_cli.engine.loop import Loop, make_loop
 from hknob_cli.engine.sets import arc
-from hknob_cli.engine.sets.centre import Start
+from hknob_cli.engine.sets.ball import Start
 from hknob_cli.engine.sets.room import ArcRoom, Known, make_known
 
 

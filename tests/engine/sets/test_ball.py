@@ -1,4 +1,4 @@
-"""Tests of `engine.sets.ball` and `engine.sets.known`: when a ball may be parted, and when it is captured."""
+"""Tests of `engine.sets.ball` and `engine.sets.ball`: when a ball may be parted, and when it is captured."""
 
 from math import nextafter, sqrt
 
@@ -15,11 +15,13 @@ from hknob_cli.engine.sets.ball import (
     MEETS_EDGE,
     OUT_OF_SAMPLES,
     STEPS_DEEPER,
+    Trial,
+    add_end,
+    captor,
     follow_ball,
+    resting,
     step_through,
 )
-from hknob_cli.engine.sets.centre import Trial
-from hknob_cli.engine.sets.known import add_end, captor, resting
 from hknob_cli.engine.sets.room import Known
 
 from .loops import knob, known, loops

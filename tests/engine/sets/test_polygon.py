@@ -1,4 +1,4 @@
-"""Tests of `engine.sets.polygon` and `engine.sets.lattice`: no state is lost by cutting, moving and merging."""
+"""Tests of `engine.sets.polygon` and `engine.sets.polygon`: no state is lost by cutting, moving and merging."""
 
 from math import sqrt
 
@@ -8,9 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hknob_cli.engine.loop import Loop, level_of, lower_edge, upper_edge
-from hknob_cli.engine.sets.ball import step_through
-from hknob_cli.engine.sets.centre import Centre
-from hknob_cli.engine.sets.lattice import keep, release
+from hknob_cli.engine.sets.ball import Centre, step_through
 from hknob_cli.engine.sets.polygon import (
     CORNERS,
     COUNT,
@@ -23,9 +21,11 @@ from hknob_cli.engine.sets.polygon import (
     X,
     clip,
     corner_radius,
+    keep,
     move_corners,
     part,
     put,
+    release,
 )
 from hknob_cli.engine.sets.room import PolygonRoom, make_polygon_room
 

@@ -2,8 +2,8 @@
 
 - `law` what the loop knows of one, `step` a sample interval under it, and a period written down
 - `cascade` how far two motions with the same readings part
-- `parting` of nearby motions, where they do not repeat
-- `period` the proof, `sensed` that of a law that reads the velocity, `rest`, `follow` a trial, `trials` a cell
+- `period` the proof, `sensed` that of a law that reads the velocity, and how fast motions part, `rest`, `follow` a
+  trial, `trials` a cell
 
 A law is a function, compiled alone and called by address, from what the sensor shows and what is remembered to the
 torques of an interval: ``act(shown, speed, past, fixed, out)``. ``shown``: the encoder's count; ``speed``: of a

@@ -14,18 +14,10 @@ from hknob_cli.engine.follow import (
 )
 from hknob_cli.engine.general.body import copy_to
 from hknob_cli.engine.general.captured import CLOSE, FIELDS, LOOK_AGAIN, has_period, may_be_captured, turn_level
-from hknob_cli.engine.general.checkpoint import (
-    Attempts,
-    Checkpoint,
-    compare_with_checkpoint,
-    keep_checkpoint,
-    leave_at,
-    pass_event,
-)
 from hknob_cli.engine.general.cogging import gap_apart, has_gone
 from hknob_cli.engine.general.controller import depth_level, read_after
 from hknob_cli.engine.general.follow import BESIDE, KNOWN, PATIENCE, WAIT, downgrade, repeats
-from hknob_cli.engine.general.jitter import jitters
+from hknob_cli.engine.general.interval import jitters
 from hknob_cli.engine.general.laws.cascade import (
     apart,
     faded,
@@ -39,7 +31,18 @@ from hknob_cli.engine.general.laws.law import AT_SWITCH, CYCLE_AT_SWITCH, REST_N
 from hknob_cli.engine.general.laws.period import REPEATS, certify_with_law
 from hknob_cli.engine.general.laws.rest import settles_with_law
 from hknob_cli.engine.general.laws.step import advance_jittering_with_law, advance_with_law
-from hknob_cli.engine.general.looks import GOES_ON, go_on, no_looks, unsettled
+from hknob_cli.engine.general.looks import (
+    GOES_ON,
+    Attempts,
+    Checkpoint,
+    compare_with_checkpoint,
+    go_on,
+    keep_checkpoint,
+    leave_at,
+    no_looks,
+    pass_event,
+    unsettled,
+)
 from hknob_cli.engine.general.orbit_proof import EXPANDS, PARTS
 from hknob_cli.engine.general.standstill import SETTLING
 from hknob_cli.engine.general.torque_curve import has_curve, place_at

@@ -10,7 +10,7 @@ from hknob_cli.engine.attractors import USUAL, Patience
 from hknob_cli.engine.budget import TrialBudget
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.ensemble import Batch, TrialSpace
-from hknob_cli.engine.general.laws import parting, step, trials
+from hknob_cli.engine.general.laws import sensed, step, trials
 from hknob_cli.engine.general.laws.law import Law
 from hknob_cli.engine.general.search import GeneralEngine, as_compiled
 from hknob_cli.engine.general.torque_range import TorqueRange, torque_range
@@ -35,7 +35,7 @@ class LawEngine(GeneralEngine):
         self._law = self._ready(law)
         self._trials: Callable[..., Any] = found.get("general.laws.run_trials_with_law", trials.run_trials_with_law)
         self._pieces: Callable[..., Any] = found.get("general.laws.chart_with_law", step.chart_with_law)
-        self._rate: Callable[..., Any] = found.get("general.laws.parting_with_law", parting.parting_with_law)
+        self._rate: Callable[..., Any] = found.get("general.laws.parting_with_law", sensed.parting_with_law)
         self._run_trials = self._run_with_law
         self._part = self._part_with_law
         self._chart = self._chart_with_law

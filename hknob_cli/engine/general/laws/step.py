@@ -4,7 +4,7 @@ from hknob_cli.engine.general.advance import advance_hold, advance_span, rub_man
 from hknob_cli.engine.general.cogging import has_cogs
 from hknob_cli.engine.general.controller import read, read_after, send
 from hknob_cli.engine.general.hysteresis import turn_and_count
-from hknob_cli.engine.general.jitter import begin_clock, meant_pace, next_span
+from hknob_cli.engine.general.interval import begin_clock, meant_pace, next_span
 from hknob_cli.engine.general.laws.law import LOOK, MATRIX, PIECE, SPAN, TORQUE, F, G, S
 from hknob_cli.engine.general.slide_two import step_with_friction
 from hknob_cli.engine.general.torque_curve import curve_torque, has_curve

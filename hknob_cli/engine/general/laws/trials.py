@@ -9,7 +9,7 @@ from hknob_cli.engine.general.cogging import has_gone
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.ensemble import begin, count_end, enter_row, find, is_cycle, is_rest, shown_at_rest
 from hknob_cli.engine.general.follow import KNOWN
-from hknob_cli.engine.general.jitter import begin_clock, jitters
+from hknob_cli.engine.general.interval import begin_clock, jitters
 from hknob_cli.engine.general.laws.cascade import nearly_same
 from hknob_cli.engine.general.laws.follow import fate_of, follow_with_law
 from hknob_cli.engine.general.laws.law import CYCLE_AT_SWITCH, CYCLE_NOT_AFFINE, REST_NOT_PROVEN

@@ -1,6 +1,6 @@
 """The attractors known so far of a cell, and whether one of them captures a set of states.
 
-The same as `engine.sets.known`, with what the general loop has more: states of any order, commands under way, and the
+The same as `engine.sets.ball`, with what the general loop has more: states of any order, commands under way, and the
 last reading. Reaches are bounds on a distance from the centre in `body.norm`, in which the free plant never grows.
 """
 

@@ -1,6 +1,6 @@
 """Small pieces of second order, merged: those in one cell of a lattice go on as the rectangle around them.
 
-As `engine.sets.lattice`; only pieces with the same commands under way and the same last reading are merged. Of those
+As `engine.sets.polygon`; only pieces with the same commands under way and the same last reading are merged. Of those
 whose torque lags, it has to be nearly the same: what goes on has the spread of all.
 """
 

@@ -4,9 +4,8 @@ from math import isnan
 
 import pytest
 
-from hknob_cli.engine.orbit.cycle import CycleMeasures, find_extrema, find_integrals, measure_holds, turns_within
-from hknob_cli.engine.orbit.holds import LENGTH, PART, G, S, fill_part, hold_forms
-from hknob_cli.engine.trace import Holds
+from hknob_cli.engine.orbit_cycle import CycleMeasures, find_extrema, find_integrals, measure_holds, turns_within
+from hknob_cli.engine.orbit_holds import LENGTH, PART, G, Holds, S, fill_part, hold_forms
 
 INF = float("inf")
 

@@ -10,21 +10,33 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from hknob_cli.engine import orbit_cycle
 from hknob_cli.engine.loop import drive_of, make_loop
-from hknob_cli.engine.orbit import cycle
-from hknob_cli.engine.orbit.cycle import (
+from hknob_cli.engine.orbit_cycle import (
     CycleMeasures,
     direction,
     find_extrema,
     find_integrals,
+    find_leak,
     measure_cycle,
     measure_holds,
+    potential,
     turns_within,
 )
-from hknob_cli.engine.orbit.holds import LENGTH, MEAN, PART, SPEED, SQUARE, G, S, fill_part, fill_parts, hold_forms
-from hknob_cli.engine.orbit.leak import find_leak, potential
+from hknob_cli.engine.orbit_holds import (
+    LENGTH,
+    MEAN,
+    PART,
+    SPEED,
+    SQUARE,
+    G,
+    Holds,
+    S,
+    fill_part,
+    fill_parts,
+    hold_forms,
+)
 from hknob_cli.engine.propagator import hold_coefficients
-from hknob_cli.engine.trace import Holds
 from hknob_cli.engine.turning import zero_spacing
 from tests.engine.proof.orbits import orbits
 
@@ -283,7 +295,7 @@ def test_a_knob_that_turns_too_often_is_not_looked_at(monkeypatch: pytest.Monkey
     for kinds, lengths in ((1, (1.0,)), (2, (0.5, 0.5))):
         parts = parts_of(0.0, beta, lengths)
         for most, looked in ((6.0 / kinds / spacing * 1.001, True), (6.0 / kinds / spacing * 0.999, False)):
-            monkeypatch.setattr(cycle, "MOST_TURNS", most)
+            monkeypatch.setattr(orbit_cycle, "MOST_TURNS", most)
             found = find_extrema(Holds(x, v, drive), 6, parts, kinds, 0.0, beta, 0.0)
             assert (found[0] > 0) == looked
             if not looked:
@@ -345,14 +357,14 @@ def test_measures_of_holds_are_of_one_period(monkeypatch: pytest.MonkeyPatch) ->
         seen.append(given)
         return 12.0, 48.0, 16.0, 9.0
 
-    monkeypatch.setattr(cycle, "find_extrema", found_extrema)
-    monkeypatch.setattr(cycle, "find_integrals", found_integrals)
+    monkeypatch.setattr(orbit_cycle, "find_extrema", found_extrema)
+    monkeypatch.setattr(orbit_cycle, "find_integrals", found_integrals)
     holds = Holds([1.0], [2.0], [3.0])
     found = measure_holds(holds, 8, [5.0], 2, 0.25, 0.5, 32.0, 48.0)
     assert found == (4, 6.5, -4.0, 5.0, sqrt(3.75), 9.0, 4.0)
     assert seen == [(holds, 16, [5.0], 2, 0.25, 0.5, 2.0), (holds, 16, [5.0], 2, 0.5, 2.0, 3.0)]
     # What rounding leaves of a motion far below its own mean is no motion.
-    monkeypatch.setattr(cycle, "find_integrals", lambda *_: (8.0, 8.0 - 1e-15, 0.0, 0.0))
+    monkeypatch.setattr(orbit_cycle, "find_integrals", lambda *_: (8.0, 8.0 - 1e-15, 0.0, 0.0))
     assert measure_holds(holds, 8, [5.0], 2, 0.25, 0.5, 32.0, 48.0)[4] == 0.0
 
 
@@ -360,7 +372,7 @@ def test_measures_of_holds_are_of_one_period(monkeypatch: pytest.MonkeyPatch) ->
 def test_without_both_peaks_and_troughs_there_is_no_cycle(
     monkeypatch: pytest.MonkeyPatch, peaks: int, troughs: int
 ) -> None:
-    monkeypatch.setattr(cycle, "find_extrema", lambda *_: (peaks, 1.0, 1.0, troughs, 1.0, 1.0))
+    monkeypatch.setattr(orbit_cycle, "find_extrema", lambda *_: (peaks, 1.0, 1.0, troughs, 1.0, 1.0))
     found = measure_holds(Holds([1.0], [2.0], [3.0]), 1, [1.0], 1, 0.25, 0.5, 1.0, 1.0)
     assert found[0] == 0
     assert all(isnan(one) for one in found[1:])
@@ -381,9 +393,9 @@ def test_a_cycle_is_measured_as_it_is_traced(monkeypatch: pytest.MonkeyPatch, se
         seen.append(given)
         return 3.0, 4.0, 5.0
 
-    monkeypatch.setattr(cycle, "trace", lambda *_: (7.0, 8.0))
-    monkeypatch.setattr(cycle, "measure_holds", measured)
-    monkeypatch.setattr(cycle, "find_leak", leaks)
+    monkeypatch.setattr(orbit_cycle, "trace", lambda *_: (7.0, 8.0))
+    monkeypatch.setattr(orbit_cycle, "measure_holds", measured)
+    monkeypatch.setattr(orbit_cycle, "find_leak", leaks)
     whole = [0.0] * (2 * PART)
     fill_parts(whole, loop)
     for parts in ([0.0] * (2 * PART), [2.0, *[7.0] * (2 * PART - 1)], [-1.0, *[7.0] * (2 * PART - 1)]):
