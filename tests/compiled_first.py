@@ -9,7 +9,7 @@ import os
 from pathlib import Path
 
 from hknob_cli.engine.jit import is_kept
-from hknob_cli.scene.trial import simulate
+from hknob_cli.scene.general_knob import simulate
 from hknob_cli.specs.load import load
 from hknob_cli.specs.plan import SweepPlan
 from hknob_cli.stages.sweep.run import SweepStage

@@ -153,7 +153,7 @@ def spec_file(tmp_path: Path) -> Callable[..., Path]:
 @pytest.fixture
 def loop_not_kept(monkeypatch: pytest.MonkeyPatch) -> None:
     """Sweeps take the general loop for not compiled: of few trials, it is interpreted."""
-    engines = "hknob_cli.stages.sweep.engines"
+    engines = "hknob_cli.stages.sweep.run"
     monkeypatch.setattr(f"{engines}.is_kept", lambda group="plain": group != "general" and is_kept(group))
     monkeypatch.setattr(f"{engines}.interpreted_s", lambda _group="plain": 0.0)
     monkeypatch.setattr(f"{engines}.note_interpreted", lambda _group, _seconds: None)

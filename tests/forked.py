@@ -26,7 +26,7 @@ OFTEN = (
     "hknob_cli.cli.main",
     "hknob_cli.cli.run_done",
     "hknob_cli.cli.stage_run",
-    "hknob_cli.figures.sweep_picture",
+    "hknob_cli.figures.plot",
     "hknob_cli.perception.level",
     "hknob_cli.pipeline.build",
     "hknob_cli.pipeline.side_by_side",

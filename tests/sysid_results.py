@@ -8,8 +8,7 @@ from hknob_cli.results.provenance import describe
 from hknob_cli.results.store import write
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.source import parse
-from hknob_cli.stages.sysid.against import study_bias, study_hidden
-from hknob_cli.stages.sysid.calibration import calibrate
+from hknob_cli.stages.sysid.against import calibrate, study_bias, study_hidden
 from hknob_cli.stages.sysid.run import SysidStage, kept_recordings
 
 IDEAL = "rig: {coulomb_nm: 0.0, amplifier_s: 0.0}"

@@ -81,8 +81,6 @@ ALWAYS = ("controllers/*", "stages/*/run.py", "stages/*/text.py", "stages/*/work
 SMALL = {
     "__main__.py": "python -m hknob_cli looks for this name",
     "at_once.py": "the command loads it before all else",
-    "engine/turning.py": "a group of compiled functions",
-    "figures/laid_out.py": "needs the library as it is loaded, which the others load when they draw",
     "page/claims/text.py": "words, of which a change does not make results old",
     "page/template_files.py": "the page and the page of explore have it in common, and nothing else",
     "stages/job.py": "the process that parses makes a job without loading the work",

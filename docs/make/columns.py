@@ -13,8 +13,8 @@ metadata, and the spec and the versions that made a file in its `hknob.provenanc
 """
 _SWEEP = "hknob_cli.results.columns"
 _HW, _SYSID = "hknob_cli.results.campaign_files", "hknob_cli.stages.sysid.columns"
-_REMEDIES, _DESIGN = "hknob_cli.stages.remedies.columns", "hknob_cli.stages.design.run"
-_PREDICT = "hknob_cli.stages.predict.run"
+_REMEDIES, _DESIGN = "hknob_cli.stages.remedies.columns", "hknob_cli.stages.design.work"
+_PREDICT = "hknob_cli.stages.predict.work"
 # Title of a file; then its groups: when the group is there, the module that declares it, names in that module.
 _FILES: dict[str, tuple[tuple[str, str, str], ...]] = {
     "`sweep`: cells.parquet, a row for each cell": (
@@ -55,8 +55,8 @@ _FILES: dict[str, tuple[tuple[str, str, str], ...]] = {
     ),
     "`predict`: passivity.parquet": (("always", _PREDICT, "PASSIVITY"), ("a hand", _PREDICT, "WITH_HAND")),
     "`predict`: criteria.parquet, with `criteria`": (
-        ("always", "hknob_cli.stages.predict.run", "CRITERIA"),
-        ("a sweep to compare with", "hknob_cli.stages.predict.run", "AGAINST"),
+        ("always", "hknob_cli.stages.predict.work", "CRITERIA"),
+        ("a sweep to compare with", "hknob_cli.stages.predict.work", "AGAINST"),
     ),
     "`dfa`, `predict`: differences.parquet, with `against`": (("always", "hknob_cli.stages.compare", "_STATISTICS"),),
     "`remedies`: remedies.parquet, and cases.parquet": (
@@ -112,7 +112,7 @@ _FILES: dict[str, tuple[tuple[str, str, str], ...]] = {
         ("always", _REMEDIES, "NEEDS"),
     ),
     "`hw-run`: timing.parquet": (("always", _HW, "TIMING"),),
-    "`bench`: bench.parquet, a row for each run": (("always", "hknob_cli.stages.bench.run", "RUNS"),),
+    "`bench`: bench.parquet, a row for each run": (("always", "hknob_cli.stages.bench.work", "RUNS"),),
     "`report`: claims.parquet, a row for each claim": (("always", "hknob_cli.page.claims.verdict", "COLUMNS"),),
 }
 

@@ -14,7 +14,7 @@ from hknob_cli.apparatus.hand import Hand, SecondOrder, split
 from hknob_cli.apparatus.hand_recording import PEAK_RAD, Pulse, Rig, record_trial, scaled_input, scaled_pulse
 from hknob_cli.apparatus.people import EXPERIMENTS, Place, Variation, grips, mean_hand, numbers, trial_hand
 from hknob_cli.errors import UsageError
-from hknob_cli.printed.tables import table
+from hknob_cli.printed import table
 from hknob_cli.recordings.trial import Array, Key, Purpose, Trial, stream
 from hknob_cli.specs.identification import InputPlan
 

@@ -24,7 +24,7 @@ import numpy as np
 
 from hknob_cli.apparatus.hand import SecondOrder
 from hknob_cli.errors import UsageError
-from hknob_cli.printed.tables import table
+from hknob_cli.printed import table
 from hknob_cli.recordings.trial import Purpose, stream
 
 _COLUMNS = (

@@ -3,7 +3,7 @@
 - `model` the plant and its controller, which share no formula with the engine, and a trial from sample to sample
 - `scipy_methods`, `fixed_step`, `mujoco_hinge`
 - `digits60` the reference
-- `catalogue` all of them
+- `stages/bench/timed.py` has them by name
 
 Two models. What the engine is compared with is built in `baselines/` from the spec alone: equations of motion and a
 command law, over any kind of number. With floats they serve the rivals; with 60 digits and matrix exponentials over

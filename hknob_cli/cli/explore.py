@@ -53,7 +53,7 @@ def explore(
 ) -> None:
     """Write a page to play with a knob: sliders, the exact motion, its sound, and a remedy beside it."""
     with reporting():
-        from hknob_cli.page.explore.sheet import knobs_of, page_of, sheet
+        from hknob_cli.page.explore import knobs_of, page_of, sheet
         from hknob_cli.report.table import folded
         from hknob_cli.stages.work import counted
 
@@ -91,7 +91,7 @@ def _write(path: Path, text: str) -> None:
 
     Raises `RefusedError` where another file is in its place, `ComputationError` where it cannot be written.
     """
-    from hknob_cli.page.explore.sheet import MARK
+    from hknob_cli.page.explore import MARK
     from hknob_cli.results.files import create, make_folders, put_in_place
 
     half = path.with_name(f".{path.name}.part")

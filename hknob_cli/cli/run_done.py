@@ -80,7 +80,7 @@ def _can_be_played_with(job: "Job") -> bool:
 
     if job.kind != "sweep" or job.plot or len(cells_of(job.plan)) != 1:
         return False
-    from hknob_cli.page.explore.sheet import faults_of, page_of
+    from hknob_cli.page.explore import faults_of, page_of
 
     return not page_of(job.plan.name).exists() and not faults_of(job.plan)
 

@@ -2,7 +2,7 @@
 
 - `propagator` the plant over a hold
 - `loop` encoder (rounding to nearest is a shift made in `scene`), wall, delay, zero-order hold
-- `turning` points of the motion
+- `turning` points of the motion, and peaks outside the wall
 - `certificate` the proof of an orbit
 - `relay_cycles` two-level orbits, enumerated
 - `rest` the proof of a rest point
@@ -11,7 +11,6 @@
 - `orbit_holds` one period, `orbit_cycle` what it amounts to: peaks between samples, integrals, work of the wall
 - `attractors` of a cell, with their shares
 - `cells` many of them without leaving compiled code, `cell_run` as columns
-- `bounces` peaks outside the wall
 - `jit` the same source compiled, `kept_code` on the disk, `compiling` what is said of it, `linking` what is optimised,
   `absent` what is left out
 - `alarm` the time a cell may take

@@ -105,7 +105,6 @@ FRICTION_SETS = (
     *(f"general.sets.{name}" for name in ("friction_set", "friction_turns", "friction_piece", "friction_rest")),
     *(f"general.sets.{name}" for name in ("friction_box", "friction_phases")),
 )
-BOUNCES = (*MOTION, "bounces")
 UNSAMPLED = (
     "propagator",
     "loop",
@@ -120,7 +119,7 @@ GROUPS = {
     "plain": (PLAIN, ("ensemble.ensemble",)),
     "cells": (CELLS, ("cells.run_cells",)),
     "arc_cells": (ARC_CELLS, ("cells.run_arc_cells",)),
-    "bounces": (BOUNCES, ("bounces.bounce_peaks",)),
+    "bounces": (MOTION, ("turning.bounce_peaks",)),
     "general": (GENERAL, ("ensemble.run_trials",)),
     "clocks": (GENERAL, ("clock_cells.reach_cells",)),  # alone: the loop itself takes the compiler ten times as long
     "laws": (LAWS, ("trials.run_trials_with_law",)),

@@ -213,7 +213,7 @@ def measure_holds(holds, n, parts, kinds, alpha, beta, places, drives):
     """Measures of ``n`` samples of ``kinds`` holds each, whose end is their start.
 
     ``places``, ``drives``: sums of the positions at which ``holds`` start, and of their drives; ``parts``: numbers of
-    the kinds of holds, `orbit.holds`. Returns the first seven of `CycleMeasures`; without cycles where nothing turns.
+    the kinds of holds, `orbit_holds`. Returns the first seven of `CycleMeasures`; without cycles where nothing turns.
     """
     count = n * kinds
     reference = places / count

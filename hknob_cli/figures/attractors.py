@@ -1,9 +1,11 @@
-"""What one cell ends in: its attractors, and from which states each of them is reached.
+"""What one cell ends in: its attractors, from which states each is reached, and the motion on its orbits.
 
-What one cell ends in: the range of the angle of every attractor, inside and outside the wall, pitch and share.
+Of an attractor: the range of its angle, inside and outside the wall, pitch and share. Motion is drawn over time, and in
+the phase plane.
 """
 
 from math import ceil
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -13,18 +15,26 @@ from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.grid import axes_of
 from hknob_cli.figures.numbers import number
 from hknob_cli.figures.panel import Scale, edges_between
+from hknob_cli.figures.sheet import save
+from hknob_cli.report.table import short
 from hknob_cli.results.result_set import MissingError, ResultSet, Where, matching
 from hknob_cli.specs.plan import COUNTS, RATE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
 MOST = 30  # attractors
 
 MOST_PANELS = 6
 MOST_NAMED = 8  # attractors in a legend
 MOST_EDGES = 120  # count edges that are drawn as lines
+PERIODS = 3  # of the slowest cycle that is shown
+MOST_LINES = 20
+MOST_UNDRAWN = 6  # cycles that are named though no motion on them is drawn
+SETTLED = 0.02  # of an orbit's peak to peak: how near a recording's must be
+_INKS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 # Colours that people with any kind of colour vision tell apart (Okabe & Ito 2008), pale ones last.
 _COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#999999")
 
@@ -201,3 +211,93 @@ def _name(one: dict[str, Any]) -> str:
     if one["outcome"] == "cycle":
         return f"{1e3 * one['p2p_rad']:.3g} mrad, {one['frequency_hz']:.3g} Hz: {share}"
     return f"{one['outcome']}: {share}"
+
+
+class Motion(NamedTuple):
+    """The end of a recorded trial: time (s), angle (rad), velocity (rad/s), and what it is called."""
+
+    time: "NDArray[np.float64]"
+    angle: "NDArray[np.float64]"
+    velocity: "NDArray[np.float64]"
+    name: str
+
+
+def draw_one_cell(
+    recorded: pa.Table, orbits: list[dict[str, Any]], quantum: float | None, *, title: str, path: Path
+) -> None:
+    """Draw into ``path`` (PNG); ``recorded``: some trials, to their ends; ``quantum``: angle of a count, if any (rad).
+
+    Raises `ComputationError` if the file cannot be written.
+    """
+    motions = _motions(recorded, orbits)
+    figure = theme.figure(width=13.0, height=6.0)
+    over_time, plane = figure.subplots(1, 2)
+    for i, one in enumerate(motions):
+        style: dict[str, Any] = {"color": _INKS[i % len(_INKS)], "linewidth": 1.3}
+        over_time.plot(1e3 * (one.time - one.time[0]), 1e3 * one.angle, label=one.name, **style)
+        plane.plot(1e3 * one.angle, one.velocity, **style)
+    drawn = {one.name for one in motions}
+    for cycle in [row for row in orbits if row["outcome"] == "cycle" and _called(row) not in drawn][:MOST_UNDRAWN]:
+        over_time.plot([], [], linestyle="none", label=f"not drawn, no recorded trial ends there: {_called(cycle)}")
+    over_time.set_xlabel("time, ms")
+    over_time.set_ylabel("angle, mrad (the wall is below 0)")
+    plane.set_xlabel("angle, mrad (the wall is left of 0)")
+    plane.set_ylabel("velocity, rad/s")
+    _lines_of_counts(over_time, plane, quantum)
+    figure.legend(*over_time.get_legend_handles_labels(), fontsize=9, loc="outside lower center", ncols=2)
+    figure.suptitle(f"{title}: motion against a virtual wall")
+    save(figure, path, stage="sweep", name=title)
+
+
+def _motions(recorded: pa.Table, orbits: list[dict[str, Any]]) -> list[Motion]:
+    """The last periods of one trial for each orbit that is reached; all of it where nothing cycles."""
+    columns = {name: recorded[name].to_numpy() for name in ("trial", "time_s", "angle_rad", "velocity_rad_s")}
+    cycles = [row for row in orbits if row["outcome"] == "cycle"]
+    window = PERIODS * max((period_of(row) for row in cycles), default=0.0)
+    found: dict[str, Motion] = {}
+    for trial in dict.fromkeys(columns["trial"].tolist()):
+        time, angle, velocity = (
+            columns[name][columns["trial"] == trial] for name in ("time_s", "angle_rad", "velocity_rad_s")
+        )
+        late = time >= (time[-1] - window if window else 0.0)
+        name = _settled_on(angle[late], cycles)
+        found.setdefault(name, Motion(time[late], angle[late], velocity[late], name))
+    return sorted(found.values(), key=lambda one: -float(np.ptp(one.angle)))
+
+
+def period_of(cycle: dict[str, Any]) -> float:
+    """Seconds after which a cycle of orbits.parquet repeats itself."""
+    return float(cycle["cycles_per_period"]) / float(cycle["frequency_hz"])
+
+
+def _settled_on(angle: "NDArray[np.float64]", cycles: list[dict[str, Any]]) -> str:
+    """Size, pitch and share of the cycle with the same extremes as a motion; else that it is none of them."""
+    low, high = float(angle.min()), float(angle.max())
+
+    def apart(cycle: dict[str, Any]) -> float:
+        return max(abs(low - float(cycle["min_rad"])), abs(high - float(cycle["max_rad"])))
+
+    nearest = min(cycles, key=apart, default=None)
+    if nearest is None or apart(nearest) > SETTLED * nearest["p2p_rad"]:
+        return "on its way" if cycles else "no cycle"
+    return _called(nearest)
+
+
+def _called(cycle: dict[str, Any]) -> str:
+    """A cycle's size, pitch and share."""
+    size, pitch = short(1e3 * cycle["p2p_rad"]), short(cycle["frequency_hz"])
+    proven = "proven" if cycle["certified"] else "not proven"
+    return f"{size} mrad, {pitch} Hz, {short(100.0 * cycle['basin_fraction'])} % of the starts, {proven}"
+
+
+def _lines_of_counts(over_time: "Axes", plane: "Axes", quantum: float | None) -> None:
+    """The wall's edge, and those of counts where they can be told apart."""
+    low, high = over_time.get_ylim()
+    over_time.axhline(0.0, color="0.3", linewidth=1.0, linestyle=":", label="edge of the wall")
+    plane.axvline(0.0, color="0.3", linewidth=1.0, linestyle=":")
+    if quantum and (high - low) / (1e3 * quantum) <= MOST_LINES:
+        first, last = int(np.ceil(low / (1e3 * quantum))), int(np.floor(high / (1e3 * quantum)))
+        for count in range(first, last + 1):
+            over_time.axhline(1e3 * quantum * count, color="0.7", linewidth=0.6, linestyle=(0, (1, 3)), zorder=0)
+            plane.axvline(1e3 * quantum * count, color="0.7", linewidth=0.6, linestyle=(0, (1, 3)), zorder=0)
+    over_time.set_ylim(low, high)

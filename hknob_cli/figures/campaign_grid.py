@@ -51,7 +51,7 @@ def grip_forces(evidence: ResultSet, of: Any = None) -> "Figure":
 
 
 def _printed() -> Forces:
-    from hknob_cli.printed.tables import table
+    from hknob_cli.printed import table
 
     rows: list[dict[str, Any]] = [row for row in table(8) if isinstance(row["encoder_bits"], float)]
     columns = [name for name in rows[0] if name.startswith("grip_") and name.endswith("_hz_n")]

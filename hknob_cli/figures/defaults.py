@@ -12,7 +12,7 @@ import pyarrow.compute as pc
 from hknob_cli.figures.campaign import MOST
 from hknob_cli.figures.cell_dots import MOST as MOST_DOTS
 from hknob_cli.figures.grid import MOST_WRITTEN
-from hknob_cli.figures.stability import is_kb
+from hknob_cli.figures.theory import is_kb
 from hknob_cli.figures.what_matters import can_tell
 from hknob_cli.report.large import varying
 from hknob_cli.report.sweep_words import perceived_levels

@@ -61,7 +61,7 @@ def scale_of(quantity: Quantity, number: int, *, translational: bool = False) ->
 
 def printed_rows(number: int) -> Rows:
     """Rows of a printed table of grasps. Raises `MissingError` for any other table."""
-    from hknob_cli.printed.tables import table
+    from hknob_cli.printed import table
 
     if number not in GRASPS:
         raise MissingError(f"no grasps in table {number}; they are in tables {min(GRASPS)} to {max(GRASPS)}")
@@ -201,7 +201,7 @@ def _means(evidence: ResultSet, of: Of, number: int, estimator: str) -> list[dic
 
 
 def _rule_apparatus(panel: "Axes", tables: Sequence[int], *, translational: bool) -> None:
-    from hknob_cli.printed.tables import apparatus_inertia
+    from hknob_cli.printed import apparatus_inertia
 
     inertia = QUANTITIES[0]
     scales = {number: scale_of(inertia, number, translational=translational) for number in tables}

@@ -6,8 +6,8 @@ What the axes of a grid are called.
 from typing import Any, NamedTuple
 
 from hknob_cli.figures.numbers import number
-from hknob_cli.report.dfa import largest_cycles
 from hknob_cli.report.table import short
+from hknob_cli.report.theory import largest_cycles
 from hknob_cli.results.columns import MEANS, mean_beside
 from hknob_cli.results.result_set import MissingError, Result, Rows
 

@@ -18,7 +18,7 @@ from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.grid import Row, axes_of, axis_name, rows_of
 from hknob_cli.figures.numbers import is_geometric, log_ticks
 from hknob_cli.figures.sheet import save
-from hknob_cli.report.dfa import largest_cycles
+from hknob_cli.report.theory import largest_cycles
 from hknob_cli.report.what_matters import MOST_BINS, Columns, Matter, columns_of, measures_in
 from hknob_cli.report.what_matters import what_matters as found_in
 from hknob_cli.results.columns import ONE, WORST

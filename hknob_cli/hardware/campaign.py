@@ -12,9 +12,8 @@ from hknob_cli.errors import DeviceError, HknobError, RefusedError, SpecError, U
 from hknob_cli.hardware.archive import Archive
 from hknob_cli.hardware.journal import Journal
 from hknob_cli.hardware.knob_motion import Nuisances
-from hknob_cli.hardware.order import USUAL_GRIP_N, Trial, key_of, period_ns, settings_of, trials_of
+from hknob_cli.hardware.order import USUAL_GRIP_N, Trial, faults_of_settings, key_of, period_ns, settings_of, trials_of
 from hknob_cli.hardware.port import Block, Device, Simulated, Torque
-from hknob_cli.hardware.ranges import faults_of_settings
 from hknob_cli.hardware.trial_file import Recorded, about_pulse, joined, sample_table, started_of, zero_of
 from hknob_cli.hardware.trial_run import (
     HANDS_OFF,

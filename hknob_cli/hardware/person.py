@@ -19,7 +19,7 @@ from hknob_cli.apparatus.people import Place, Variation, grips, mean_hand, scale
 from hknob_cli.errors import UsageError
 from hknob_cli.hardware.order import Trial
 from hknob_cli.hardware.port import Array, PulseOrder, Simulated, Sine, Squeeze
-from hknob_cli.printed.tables import Grasp, apparatus_inertia, grasps, table
+from hknob_cli.printed import Grasp, apparatus_inertia, grasps, table
 from hknob_cli.recordings.trial import Purpose, stream
 from hknob_cli.specs.campaign import Knob
 from hknob_cli.specs.pulses import HELD, PulsePlan

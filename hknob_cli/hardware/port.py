@@ -55,7 +55,7 @@ class Converters(NamedTuple):
 
 
 class PulseOrder(NamedTuple):
-    """A pulse that a grip fires, as a device is told (`grip_trigger`): forces in N, times in s, torque in N·m.
+    """A pulse that a grip fires, as a device is told (`control`): forces in N, times in s, torque in N·m.
 
     ``dwell_s``: how long the grip has to stay within ``band_n`` of ``grip_n``; 0: it fires as it reaches ``grip_n``.
     ``release_n``: below which the hand counts as relaxed.

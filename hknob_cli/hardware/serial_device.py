@@ -12,8 +12,8 @@ from types import TracebackType
 from typing import Any, Self
 
 from hknob_cli.errors import DeviceError
+from hknob_cli.hardware.order import faults
 from hknob_cli.hardware.port import Block, Drift, Identity, Settings, Simulated, Torque
-from hknob_cli.hardware.ranges import faults
 from hknob_cli.hardware.safety import undisturbed
 from hknob_cli.hardware.wire.answers import Abilities, About, Ack
 from hknob_cli.hardware.wire.codes import STATUS_TEXT, TRIP_TEXT, Kind, State, Status

@@ -3,7 +3,7 @@
 The knob buzzes while its torque changes `BUZZ_STEPS_PER_S` times a second or more: against a wall of counts a limit
 cycle is fed by steps of torque, two or more a cycle, and the slowest buzz of Chapter 8 has some 40 cycles a second.
 
-Of pulses the host follows the same state machine as the device (`grip_trigger`), on what the device told, and holds the
+Of pulses the host follows the same state machine as the device (`control`), on what the device told, and holds the
 device to it: a pulse that comes at another sample, or is of another torque or width, is a fault of the device.
 """
 

@@ -19,8 +19,8 @@ import numpy as np
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.control import looks_of, senses_speed
 from hknob_cli.hardware.knob_motion import Disturbances, KnobMotion, Nuisances
+from hknob_cli.hardware.order import faults_of_settings, faults_of_simulated
 from hknob_cli.hardware.port import Array, Block, ComputedDevice, Counts, Identity, Settings, Simulated, Sine
-from hknob_cli.hardware.ranges import faults_of_settings, faults_of_simulated
 from hknob_cli.hardware.trial_wall import Sent, TrialWall
 from hknob_cli.hardware.wire.codes import ALL_LAWS
 from hknob_cli.specs.motor import Coil

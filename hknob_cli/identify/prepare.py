@@ -17,8 +17,7 @@ from hknob_cli.identify.motion import (
     interval,
     smooth,
 )
-from hknob_cli.recordings.health import flags, running_flags
-from hknob_cli.recordings.trial import Array, Trial
+from hknob_cli.recordings.trial import Array, Trial, flags, running_flags
 
 SMOOTHED_RATE_HZ = 1000.0
 _MARGIN_S = 0.02

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hknob_cli.engine import bounces as plain
+from hknob_cli.engine import turning as plain
 from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.attractors import NeedsCompilerError
 from hknob_cli.engine.ensemble import first_sample

@@ -8,12 +8,11 @@ import pyarrow as pa
 from hknob_cli.errors import MISSHAPEN, UsageError
 from hknob_cli.page.book import Tile
 from hknob_cli.report.bench import equal_error
-from hknob_cli.report.dfa import largest_cycles
 from hknob_cli.report.hw_run import describe_pulses, pulses_verdict
 from hknob_cli.report.large import describe_people, varying
-from hknob_cli.report.passive import passive_verdict
 from hknob_cli.report.remedies import over_the_grid, over_the_trials, tried_verdict
 from hknob_cli.report.table import short
+from hknob_cli.report.theory import largest_cycles, passive_verdict
 from hknob_cli.report.verdicts import (
     Buzz,
     Row,

@@ -12,7 +12,7 @@ from hknob_cli.page.claims.ledger import load_ledger
 from hknob_cli.page.claims.verdict import VERDICTS, judge
 from hknob_cli.page.compose import Judgement, compose, plan_faults, read_contents
 from hknob_cli.page.layout import lay_out
-from hknob_cli.printed.tables import NUMBERS, file_of
+from hknob_cli.printed import NUMBERS, file_of
 from hknob_cli.results import store
 from hknob_cli.results.files import input_digest
 from hknob_cli.results.provenance import mark

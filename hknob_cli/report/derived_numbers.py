@@ -10,8 +10,8 @@ from itertools import product
 from math import expm1, inf, isfinite, pi, prod, sqrt
 from typing import NamedTuple
 
-from hknob_cli.report.passive import cells_of_motor, told
 from hknob_cli.report.table import short
+from hknob_cli.report.theory import cells_of_motor, told
 from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.plan import (
     COUNTS,

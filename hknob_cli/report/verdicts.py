@@ -250,7 +250,7 @@ def biased(rows: Sequence[Row]) -> str:
 def people_buzz(cells: Sequence[Row]) -> str:
     """Of a population: how many people it buzzes for, and how much.
 
-    ``cells``: of each cell of the other axes the share, median and quantiles that `population.describe_people` gives.
+    ``cells``: of each cell of the other axes the share, median and quantiles that `large.describe_people` gives.
     """
     shares = [100.0 * row["buzzing_fraction"] for row in cells]
     where = "" if len(cells) == 1 else f", depending on the cell ({len(cells)} cells)"

@@ -104,7 +104,7 @@ def tables_of(values: dict[str, Any]) -> tuple[Path, ...]:
     """Files of the printed tables that hands in a spec are rows of, and of the one with their apparatus."""
     if not (numbers := _tables(values)):
         return ()
-    from hknob_cli.printed.tables import file_of
+    from hknob_cli.printed import file_of
 
     return tuple(map(file_of, numbers))
 
@@ -113,7 +113,7 @@ def _digests(values: dict[str, Any]) -> dict[str, str]:
     """Digests of those tables by name."""
     if not (numbers := _tables(values)):
         return {}
-    from hknob_cli.printed.tables import table_digest
+    from hknob_cli.printed import table_digest
 
     return {f"table_{number}_sha256": table_digest(number) for number in numbers}
 
@@ -121,7 +121,7 @@ def _digests(values: dict[str, Any]) -> dict[str, str]:
 def _tables(values: dict[str, Any]) -> list[int]:
     """Numbers of those tables."""
     if isinstance(number := values.get("table"), int) and "grip_n" in values:  # a hand, or people
-        from hknob_cli.printed.tables import NUMBERS
+        from hknob_cli.printed import NUMBERS
 
         if number in NUMBERS:
             return sorted({number, 10})

@@ -90,7 +90,7 @@ def grid_versions(points: Points | None) -> dict[str, str]:
 @cache
 def showing_versions() -> dict[str, str]:
     """Versions that a page depends on beside its results; of the printed tables, too, which claims are checked by."""
-    from hknob_cli.printed.tables import NUMBERS, table_digest
+    from hknob_cli.printed import NUMBERS, table_digest
 
     return {
         **computing_versions(),

@@ -128,7 +128,7 @@ def find_people(source: Source, spec: PopulationSpec, knob_inertia: float) -> Po
 
 def _printed(spec: PopulationSpec) -> tuple[list[Triple], Origin]:
     """People of a printed table: of each number the mean and standard deviation are known, nothing else."""
-    from hknob_cli.printed.tables import apparatus_inertia, grasps, printed
+    from hknob_cli.printed import apparatus_inertia, grasps, printed
 
     assert spec.table
     rows = zip(grasps(spec.table), printed(spec.table), strict=True)

@@ -15,7 +15,7 @@ Grip = Annotated[float, Quantity("N")]
 
 def printed_grips() -> list[float]:
     """Grip forces (N) of Tables 1-5, which are the same in each."""
-    from hknob_cli.printed.tables import grasps
+    from hknob_cli.printed import grasps
 
     return [grasp.grip_n for grasp in grasps(1)]
 
@@ -132,7 +132,7 @@ class HandSpec(Part):
         if self.from_ is not None:
             return self._identified
         if self.table is not None and self.grip_n is not None:
-            from hknob_cli.printed.tables import grasps
+            from hknob_cli.printed import grasps
 
             by_grip = tuple((grasp.grip_n, plan.Hand(*grasp[1:])) for grasp in grasps(self.table))
             return plan.gripped(plan.Hand(by_grip=by_grip), self.grip_n)

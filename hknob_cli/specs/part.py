@@ -25,7 +25,7 @@ def model_of(kind: Any) -> type[BaseModel] | None:
 
 @cache
 def _model_of_declared(kind: Any) -> type[BaseModel]:
-    """The model that validates a named tuple of `declared`."""
+    """The model that validates a named tuple of `quantity.declared`."""
     made: type[BaseModel] = model_with_fields(
         kind, f"{kind.__name__}Spec", but=kind.unread, json_schema_extra=kind.json_schema_extra
     )

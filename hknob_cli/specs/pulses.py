@@ -150,7 +150,7 @@ LEAST_REST = 2  # samples between the pulse and the end of the window
 
 def plan_pulses(source: Source, spec: Any) -> PulsePlan:
     """A campaign of pulses as plain values; ``spec``: a valid `HwRunSpec`. Raises `SpecError`."""
-    from hknob_cli.printed.tables import grasps
+    from hknob_cli.printed import grasps
 
     pulses: Pulses = spec.pulses or Pulses()
     printed = [row.grip_n for row in grasps(pulses.person.table)]

@@ -251,8 +251,7 @@ def _asked(plan: SweepPlan) -> list[str]:
 
 def _work(plan: SweepPlan) -> list[str]:
     """How much work it is, as far as the program knows beforehand; seconds depend on the machine."""
-    from hknob_cli.stages.sweep.engines import COMPILE_ABOVE
-    from hknob_cli.stages.sweep.run import SweepStage
+    from hknob_cli.stages.sweep.run import COMPILE_ABOVE, SweepStage
 
     if plan.scene.controller:
         return ["Not known beforehand: trials with controllers last until they are proven."]

@@ -1,28 +1,89 @@
-"""The relay with delay that a quantised, sampled wall is close to, and its limit cycles in continuous time.
+"""The relay with delay that a quantised, sampled wall is close to, what is attached to its plant, and its cycles.
 
 While the knob stays within a count of one encoder edge, and the bias is half of the torque step there, the loop is a
 symmetric relay of +-M behind a delay: M = K q / 2, and the zero-order hold counts as half a sample of delay (Hasser,
-sec. 7.2). Angles are in counts, times in samples, as in the engine.
+sec. 7.2). Angles are in counts, times in samples, as in the engine. `df` methods keep the first N odd harmonics of the
+relay's square wave; `tsypkin` keeps all of them, in closed form. The Nyquist picture is the plant's curve, and where
+each sample rate meets it: the describing function of a relay, 4M/(pi A), has a real negative inverse, and the half
+sample of delay of the hold turns it counter-clockwise by omega T/2 (Hasser, sec. 7.2, Figs 45, 46).
 
-`df` methods keep the first N odd harmonics of the relay's square wave; `tsypkin` keeps all of them, in closed form.
-
-The Nyquist picture of a relay with the hold's delay: the plant's curve, and where each sample rate meets it.
-
-The describing function of a relay, 4M/(pi A), has a real negative inverse; the half sample of delay of a zero-order
-hold turns it counter-clockwise by omega T/2 (Hasser, sec. 7.2, Figs 45, 46).
+Attached to one body are a finger behind its pad, a lag of the torque, dry friction. The text expects describing
+functions to take further linear components easily (Hasser, sec. 7.4). These are their frequency responses, torques as
+accelerations of the knob. The describing function of friction F sign(v) is that of a relay on the velocity, 4 F/(pi V)
+of a velocity amplitude V (Gelb & Vander Velde 1968, ch. 2): beside the wall's relay it is a torque 4 F/pi a quarter of
+a turn ahead of the angle, whatever the amplitude.
 """
 
 from collections.abc import Callable
 from math import floor, pi, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.engine.turning import first_zero, zero_spacing
 from hknob_cli.scene.plain_knob import SampledKnob
-from hknob_cli.theory.attached import Attached
+
+Complex = NDArray[np.complexfloating[Any, Any]]
+
+
+class Attached(NamedTuple):
+    """Beside the body with its damping and stiffness; 0 for what is not there.
+
+    ``ratio``: inertia of the knob over the finger's; ``pad_...``: per inertia of the knob; ``finger_...``: per inertia
+    of the finger; ``lag``: sample period over the time constant; ``friction``: acceleration by dry friction.
+    """
+
+    ratio: float = 0.0
+    pad_damping: float = 0.0
+    pad_stiffness: float = 0.0
+    finger_damping: float = 0.0
+    finger_stiffness: float = 0.0
+    lag: float = 0.0
+    friction: float = 0.0
+
+    @property
+    def stiffness(self) -> float:
+        """Of pad and finger in series, per inertia of the knob."""
+        grounded = self.finger_stiffness / self.ratio if self.ratio else 0.0
+        both = self.pad_stiffness + grounded
+        return self.pad_stiffness * grounded / both if both > 0.0 else 0.0
+
+    @property
+    def inertia(self) -> float:
+        """Of knob and finger together, over the knob's."""
+        return 1.0 + (1.0 / self.ratio if self.ratio else 0.0)
+
+    def held_by(self, s: Complex) -> Complex:
+        """Torque by which pad and finger hold the knob, per angle."""
+        if not self.ratio:
+            return np.zeros_like(s)
+        pad = self.pad_stiffness + self.pad_damping * s
+        finger = self.finger_stiffness + (self.finger_damping + s) * s
+        found: Complex = pad * finger / (finger + self.ratio * pad)
+        return found
+
+    def late(self, s: Complex) -> Complex:
+        """The lag's response from commanded to actual torque."""
+        found: Complex = self.lag / (self.lag + s) if self.lag else np.ones_like(s)
+        return found
+
+
+def attached_to(body: Body) -> Attached | None:
+    """What a body of the general loop has beside its damping and stiffness; None for nothing."""
+    found = Attached(
+        ratio=body.ratio,
+        pad_damping=body.pad_damping,
+        pad_stiffness=body.pad_stiffness,
+        finger_damping=body.finger_damping,
+        finger_stiffness=body.finger_stiffness,
+        lag=body.lag,
+        friction=body.friction,
+    )
+    return found if any(found) else None
+
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ from hknob_cli.apparatus.experiment import Schedule, record_experiments
 from hknob_cli.apparatus.hand_recording import Pulse, Rig, peak_per_torque, record_trial, scaled_pulse, squeeze
 from hknob_cli.apparatus.people import EXPERIMENTS, Variation, grips, mean_hand
 from hknob_cli.errors import UsageError
-from hknob_cli.printed.tables import apparatus_inertia
+from hknob_cli.printed import apparatus_inertia
 from hknob_cli.recordings.trial import Key, Purpose, Trial, stream
 from tests.apparatus.reference import pulse_response
 from tests.apparatus.truths import truths

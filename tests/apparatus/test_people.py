@@ -16,7 +16,7 @@ from hknob_cli.apparatus.people import (
     trial_hand,
 )
 from hknob_cli.errors import UsageError
-from hknob_cli.printed.tables import table
+from hknob_cli.printed import table
 
 PEOPLE = 2000
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from hknob_cli.baselines import fixed_step
-from hknob_cli.baselines.catalogue import Setting
 from hknob_cli.baselines.fixed_step import METHODS, ORDER, FixedStep, compiled
 from hknob_cli.baselines.model import Controller, Deadline, follow
 from hknob_cli.specs.plan import Actuator, Bias, Encoder, Finger, Fingerpad, Hand, Knob, Wall
+from hknob_cli.stages.bench.timed import Setting
 from tests.baselines.trials import INERTIA, by, by_digits60, trial
 
 NONE = np.empty((0, 0, 0))

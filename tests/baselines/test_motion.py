@@ -4,8 +4,8 @@ from math import exp, log, pi, sin, sqrt
 
 import pytest
 
-from hknob_cli.baselines.catalogue import Setting
 from hknob_cli.specs.plan import Actuator, Bias, Encoder, Hand, Knob, Wall
+from hknob_cli.stages.bench.timed import Setting
 from tests.baselines.trials import COUNTS, INERTIA, PERIOD, STIFFNESS, by, by_digits60, trial
 
 Q = 2.0 * pi / COUNTS

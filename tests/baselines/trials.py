@@ -2,10 +2,10 @@
 
 from typing import Any
 
-from hknob_cli.baselines.catalogue import Setting, run_rival
 from hknob_cli.baselines.digits60 import Digits60, context
 from hknob_cli.baselines.model import Deadline, follow
 from hknob_cli.specs.plan import BenchScene, Encoder, Knob, Scene, Wall
+from hknob_cli.stages.bench.timed import Setting, run_rival
 
 INERTIA, STIFFNESS, PERIOD, COUNTS = 2e-6, 0.3, 1e-3, 1000
 FINE = Setting("fine", tolerance=1e-12)

@@ -19,7 +19,7 @@ from hknob_cli.page.claims.ledger import load_ledger
 from hknob_cli.page.claims.verdict import judge
 from hknob_cli.results.result_set import ResultSet
 from hknob_cli.specs.load import load
-from hknob_cli.stages.design.run import DesignStage
+from hknob_cli.stages.design.work import DesignStage
 from hknob_cli.stages.dfa.run import DfaStage
 from hknob_cli.stages.remedies.run import RemediesStage
 from hknob_cli.stages.sweep.run import SweepStage

@@ -8,7 +8,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from hknob_cli.specs.load import load
-from hknob_cli.stages.bench.run import BenchStage
+from hknob_cli.stages.bench.work import BenchStage
 from tests.conftest import EXPERIMENTS
 
 TINY = """\

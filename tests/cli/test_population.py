@@ -6,7 +6,7 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
-from hknob_cli.printed.tables import grasps
+from hknob_cli.printed import grasps
 from hknob_cli.specs.load import load
 from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import SPEC

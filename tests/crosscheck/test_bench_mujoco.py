@@ -2,8 +2,8 @@
 
 import pytest
 
-from hknob_cli.baselines.catalogue import Setting
 from hknob_cli.specs.plan import Bias, Finger, Fingerpad, Hand, Knob
+from hknob_cli.stages.bench.timed import Setting
 from tests.baselines.trials import INERTIA, by, by_digits60, trial
 
 FOURTH = Hand(finger=Finger(3e-7, 1e-4, 0.04), fingerpad=Fingerpad(3e-4, 0.5))

@@ -10,7 +10,7 @@ import control
 import numpy as np
 import pytest
 
-from hknob_cli.scene.trial import Trial, simulate
+from hknob_cli.scene.general_knob import Trial, simulate
 from hknob_cli.specs.scene import SceneSpec
 from tests.verification.general_scenes import HEAVY, KNOB, RINGING, STIFF, TWO_PARTS
 

@@ -6,7 +6,7 @@ DOP853 at rtol 1e-12 leaves errors near 1e-13 of what it integrates; a hundred h
 import numpy as np
 import pytest
 
-from hknob_cli.scene.trial import simulate
+from hknob_cli.scene.general_knob import simulate
 from hknob_cli.specs.scene import SceneSpec
 from tests.crosscheck.general_ivp import integrate
 from tests.crosscheck.grip_pulse import (

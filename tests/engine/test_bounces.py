@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from hknob_cli.engine.bounces import Hold, bounce_peaks, hold_peaks
 from hknob_cli.engine.loop import drive_of, make_loop
 from hknob_cli.engine.propagator import hold_coefficients
+from hknob_cli.engine.turning import Hold, bounce_peaks, hold_peaks
 from hknob_cli.scene.plain_knob import SampledKnob, sample_knob
 from hknob_cli.specs.scene import SceneSpec
 

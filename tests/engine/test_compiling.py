@@ -9,9 +9,8 @@ import pytest
 
 from hknob_cli.engine import compiling, jit
 from hknob_cli.engine.attractors import PATIENCE
-from hknob_cli.stages.sweep import engines
-from hknob_cli.stages.sweep.engines import LOADING_S, Engines
-from hknob_cli.stages.sweep.run import SweepStage
+from hknob_cli.stages.sweep import run
+from hknob_cli.stages.sweep.run import LOADING_S, Engines, SweepStage
 from tests.conftest import loaded
 
 # Two functions of the smallest group.
@@ -85,9 +84,9 @@ def test_work_that_takes_longer_than_compiling_is_compiled_at_once(
     monkeypatch.setattr(Engines, "compile", lambda self, group: asked.append(group))
     monkeypatch.setattr(SweepStage, "_results", lambda self, some, expected: iter(()))
     for kept in (True, False):
-        monkeypatch.setattr(engines, "is_kept", lambda _group="plain", kept=kept: kept)
+        monkeypatch.setattr(run, "is_kept", lambda _group="plain", kept=kept: kept)
         stage = SweepStage(loaded(ONE_CELL.replace("[1000]", "{log: [500, 5000, 12]}")), jobs=1)
-        assert stage.expected[GROUP] * engines.HEAVIER[GROUP] > engines.COMPILE_ABOVE
+        assert stage.expected[GROUP] * run.HEAVIER[GROUP] > run.COMPILE_ABOVE
         stage._find(None)
     assert asked == [GROUP]
 

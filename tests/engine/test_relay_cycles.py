@@ -8,7 +8,7 @@ from hknob_cli.engine.attractors import Engine
 from hknob_cli.engine.loop import make_loop
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.engine.relay_cycles import held, hold_table, relay_cycles, turning_points
-from hknob_cli.theory.sampled_relay import sampled_cycles
+from hknob_cli.theory.staircase import sampled_cycles
 from tests.engine.test_attractors import knob, search
 
 PLAIN = {"hold_table": hold_table, "relay_cycles": relay_cycles}

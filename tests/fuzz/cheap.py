@@ -24,8 +24,7 @@ def is_cheap(path: Path, sets: tuple[str, ...]) -> bool:
 
 
 def _sweep(plan: Any) -> bool:
-    from hknob_cli.stages.sweep.engines import work_of
-    from hknob_cli.stages.sweep.run import SweepStage
+    from hknob_cli.stages.sweep.run import SweepStage, work_of
 
     stage = SweepStage(plan, jobs=1)
     if stage.cell_count > 9 or _rows(plan) > ROWS:

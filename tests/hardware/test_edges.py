@@ -14,10 +14,9 @@ from hknob_cli.errors import UsageError
 from hknob_cli.hardware.control import GripTrigger, Phase, ShapedWall, over_angle_of
 from hknob_cli.hardware.journal import ABOUT, read_about
 from hknob_cli.hardware.knob_motion import LATEST, Disturbances, Nuisances
-from hknob_cli.hardware.order import USUAL_GRIP_N, settings_of, trials_of
+from hknob_cli.hardware.order import USUAL_GRIP_N, faults_of_settings, faults_of_simulated, settings_of, trials_of
 from hknob_cli.hardware.person import Person, _push
 from hknob_cli.hardware.port import ROUNDINGS, Block, Converters, OverAngle, PulseOrder, Sine
-from hknob_cli.hardware.ranges import faults_of_settings, faults_of_simulated
 from hknob_cli.hardware.trial_file import about_pulse, joined
 from hknob_cli.hardware.trial_phases import Ended, PulsePhases
 from hknob_cli.hardware.trial_wall import MOST, NONE, Conversion, Slot, converters_of, room_of, slots_of

@@ -9,8 +9,8 @@ import pytest
 from hknob_cli.engine.general.torque_table import command_at
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.control import ShapedWall, over_angle_of
+from hknob_cli.hardware.order import MOST_OVER_ANGLE, faults_of_settings
 from hknob_cli.hardware.port import Block, OverAngle, Settings
-from hknob_cli.hardware.ranges import MOST_OVER_ANGLE, faults_of_settings
 from hknob_cli.hardware.safety import LimitMonitor
 from hknob_cli.hardware.serial_device import SerialDevice
 from hknob_cli.hardware.virtual import IDENTITY

@@ -9,10 +9,9 @@ import pytest
 
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.control import GripTrigger, Phase, pulse_of
-from hknob_cli.hardware.order import settings_of, trials_of
+from hknob_cli.hardware.order import faults_of_settings, settings_of, trials_of
 from hknob_cli.hardware.person import squeezer
 from hknob_cli.hardware.port import Block, PulseOrder, Simulated
-from hknob_cli.hardware.ranges import faults_of_settings
 from hknob_cli.hardware.safety import LimitMonitor
 from hknob_cli.hardware.virtual import IDENTITY, VirtualDevice
 from hknob_cli.hardware.wire.answers import About

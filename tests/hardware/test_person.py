@@ -17,7 +17,7 @@ from hknob_cli.hardware.person import (
     printed_grips,
 )
 from hknob_cli.hardware.port import MOST_SINES
-from hknob_cli.printed.tables import grasps
+from hknob_cli.printed import grasps
 
 KNOB = Knob(1.9e-6)
 DRAWN = [hold(Person(), KNOB, seed=3, place=(1000, 256, i)) for i in range(1500)]

@@ -9,9 +9,8 @@ import pytest
 from hknob_cli.errors import DeviceError, RefusedError, UsageError
 from hknob_cli.hardware.journal import packed, unpacked
 from hknob_cli.hardware.knob_motion import Nuisances
-from hknob_cli.hardware.order import settings_of, trials_of
+from hknob_cli.hardware.order import faults_of_settings, settings_of, trials_of
 from hknob_cli.hardware.port import Block
-from hknob_cli.hardware.ranges import faults_of_settings
 from hknob_cli.hardware.tables import pulse_tables
 from hknob_cli.hardware.trial_file import read_trial
 from hknob_cli.hardware.trial_run import Nobody, View, Wish

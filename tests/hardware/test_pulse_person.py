@@ -7,7 +7,7 @@ from hknob_cli.errors import UsageError
 from hknob_cli.hardware.order import settings_of, trials_of
 from hknob_cli.hardware.person import AIM_CV, grip_of, order_of, squeezer, squeezing_hand
 from hknob_cli.hardware.port import Squeeze
-from hknob_cli.printed.tables import table
+from hknob_cli.printed import table
 from tests.hardware.pulses import HELD, SPEC, planned
 
 PLAIN = Squeeze(

@@ -11,13 +11,13 @@ import pytest
 
 from hknob_cli.errors import DeviceError, SpecError, UsageError
 from hknob_cli.hardware import campaign as campaign_module
-from hknob_cli.hardware import journal, order, person, ranges, trial_run
+from hknob_cli.hardware import journal, order, person, trial_run
 from hknob_cli.hardware.archive import Archive
 from hknob_cli.hardware.campaign import GO_ON, IN_VAIN, UNSAFE, Campaign
 from hknob_cli.hardware.control import ControlledWall, ShapedWall, looks_of, over_angle_of, pulse_of
 from hknob_cli.hardware.journal import ABOUT, RECORDING, Journal, packed, read_journal, source_digests
 from hknob_cli.hardware.knob_motion import PATIENCE, KnobMotion, Nuisances
-from hknob_cli.hardware.order import key_of, settings_of, trials_of
+from hknob_cli.hardware.order import faults_of_settings, key_of, settings_of, trials_of
 from hknob_cli.hardware.person import (
     PRINTED_TARGET_N,
     Person,
@@ -31,7 +31,6 @@ from hknob_cli.hardware.person import (
 )
 from hknob_cli.hardware.port import Drift, OverAngle, PulseOrder, Sine, Squeeze, Torque
 from hknob_cli.hardware.pulse_loop import PulsedKnob, PulseLoop
-from hknob_cli.hardware.ranges import faults_of_settings
 from hknob_cli.hardware.tables import _fired_s, _pulse, _pulse_doubts, _torque_hz, campaign_tables, pulse_tables
 from hknob_cli.hardware.trial_file import Recorded, Samples, _more, joined, read_trial, write_trial
 from hknob_cli.hardware.trial_phases import Ended, PulsePhases
@@ -744,11 +743,11 @@ def test_faults_of_settings_are_said_before_those_of_a_block(monkeypatch: pytest
     nobody: Any = None
     long = settings(rate=500)
     looking = told("long impulse that reads most often")
-    monkeypatch.setattr(ranges, "MOST_LOOKS", 2)
+    monkeypatch.setattr(order, "MOST_LOOKS", 2)
     for said in ([], ["the rate"]):
-        monkeypatch.setattr(ranges, "faults_of_settings", lambda *_, said=said: list(said))
+        monkeypatch.setattr(order, "faults_of_settings", lambda *_, said=said: list(said))
         for one, what in ((long, "must take at most"), (looking, "reads its encoder at most")):
-            found = ranges.faults(one, nobody)
+            found = order.faults(one, nobody)
             assert len(found) == 1
             assert (what in found[0]) is (said == [])
 

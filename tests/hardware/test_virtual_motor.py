@@ -13,7 +13,7 @@ from hknob_cli.engine.general.laws.step import advance_with_law, begin_past, dec
 from hknob_cli.errors import SpecError
 from hknob_cli.hardware.campaign import opened, who_of
 from hknob_cli.hardware.order import settings_of, trials_of
-from hknob_cli.printed.tables import grasps
+from hknob_cli.printed import grasps
 from hknob_cli.specs.campaign import HwRunPlan
 from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.drive import reduced

@@ -8,8 +8,7 @@ import pytest
 
 from hknob_cli.engine.attractors import Attractor
 from hknob_cli.engine.outcome import Outcome
-from hknob_cli.scene.general_knob import sample_general
-from hknob_cli.scene.trial import follow_knob
+from hknob_cli.scene.general_knob import follow_knob, sample_general
 from hknob_cli.specs.load import load
 from hknob_cli.specs.plan import scene_at
 from hknob_cli.stages.sweep.run import SweepStage

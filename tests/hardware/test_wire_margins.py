@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from hknob_cli.errors import ComputationError, DeviceError
-from hknob_cli.hardware import ranges, serial_device
+from hknob_cli.hardware import order, serial_device
 from hknob_cli.hardware.journal import Journal
+from hknob_cli.hardware.order import LONGEST_BLOCK_S, faults, faults_of_simulated
 from hknob_cli.hardware.person import _sinc
 from hknob_cli.hardware.port import Sine, Torque
-from hknob_cli.hardware.ranges import LONGEST_BLOCK_S, faults, faults_of_simulated
 from hknob_cli.hardware.virtual import IDENTITY
 from hknob_cli.hardware.wire.answers import Abilities, About, Ack, Event
 from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
@@ -76,7 +76,7 @@ def test_a_fault_of_a_simulated_knob_says_what_is_allowed() -> None:
 
 def test_a_block_may_take_as_long_as_the_longest(monkeypatch: pytest.MonkeyPatch) -> None:
     nobody: Any = None
-    monkeypatch.setattr(ranges, "faults_of_settings", lambda *_: [])
+    monkeypatch.setattr(order, "faults_of_settings", lambda *_: [])
     period = round(LONGEST_BLOCK_S * 1e9 / 20)
     for more, fine in ((0, True), (1, False)):
         told = SETTINGS._replace(block_samples=20, period_ns=period + more)

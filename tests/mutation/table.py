@@ -89,7 +89,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "ensemble.py": ("tests/engine/test_ensemble.py", "tests/engine/test_attractors.py"),
     "loop.py": ("tests/engine/test_ensemble.py", "tests/engine/test_bounces.py", "tests/engine/test_attractors.py"),
     "propagator.py": ("tests/verification/test_propagator.py",),
-    "turning.py": ("tests/engine/test_turning.py",),
+    "turning.py": ("tests/engine/test_turning.py", "tests/engine/test_bounces.py"),
     "rest.py": ("tests/engine/test_rest.py", f"{PROOF}test_rest_margins.py"),
     "follow.py": ("tests/engine/test_rest.py", f"{SETS}test_ball.py", f"{PROOF}test_follow_margins.py"),
     "sets/ball.py": CAPTURE,

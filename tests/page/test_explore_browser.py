@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from hknob_cli.page.explore.sheet import knobs_of, sheet
+from hknob_cli.page.explore import knobs_of, sheet
 from hknob_cli.specs.load import load_text
 from tests.conftest import SPEC, loaded
 from tests.page.explore_scenes import plan_of, random_scene, trial_of

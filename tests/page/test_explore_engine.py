@@ -10,10 +10,10 @@ from typing import Any
 import pytest
 
 from hknob_cli.engine.outcome import Outcome
-from hknob_cli.page.explore.sheet import KINDS, knobs_of
-from hknob_cli.page.explore.sheet import engine as engine_text
+from hknob_cli.page.explore import KINDS, knobs_of
+from hknob_cli.page.explore import engine as engine_text
 from hknob_cli.perception.touch import thresholds
-from hknob_cli.scene.trial import simulate
+from hknob_cli.scene.general_knob import simulate
 from hknob_cli.specs.plan import scene_at
 from tests.conftest import ROOT
 from tests.page.explore_scenes import (

@@ -7,7 +7,7 @@ import re
 
 import pytest
 
-from hknob_cli.page.explore.sheet import Knobs, knobs_of, sheet
+from hknob_cli.page.explore import Knobs, knobs_of, sheet
 from hknob_cli.specs.capabilities import PARTS, VERDICTS
 from tests.conftest import SPEC, loaded
 

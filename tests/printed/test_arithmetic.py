@@ -10,7 +10,7 @@ from statistics import mean, stdev
 
 import pytest
 
-from hknob_cli.printed.tables import apparatus_inertia, grasps, half_widths, table
+from hknob_cli.printed import apparatus_inertia, grasps, half_widths, table
 
 QUANTITIES = {
     "inertia": "inertia_kg_m2",

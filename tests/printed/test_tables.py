@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from hknob_cli.errors import UsageError
-from hknob_cli.printed.tables import (
+from hknob_cli.printed import (
     FOLDERS,
     NUMBERS,
     catalogue,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hknob_cli.recordings.health import flags
+from hknob_cli.recordings.trial import flags
 from tests.recordings.hands import trial
 
 

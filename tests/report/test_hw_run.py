@@ -7,7 +7,7 @@ import pyarrow as pa
 import pytest
 
 from hknob_cli.figures.hw_run_picture import draw_hw_run
-from hknob_cli.printed.tables import table
+from hknob_cli.printed import table
 from hknob_cli.report.hw_run import cells_of, describe_hw_run, grip_table, hw_run_text, quiet_text
 from hknob_cli.results.campaign_files import campaign_cells
 

@@ -7,8 +7,8 @@ import pyarrow as pa
 import pytest
 
 from hknob_cli.figures import what_matters
-from hknob_cli.report.dfa import largest_cycles, nearest_cycles
 from hknob_cli.report.large import pitches, sizes
+from hknob_cli.report.theory import largest_cycles, nearest_cycles
 from hknob_cli.results.columns import differs, mean_beside
 from hknob_cli.specs.load import load
 from hknob_cli.stages.sweep.run import SweepStage

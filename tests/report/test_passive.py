@@ -1,8 +1,8 @@
-"""Tests of `report.passive`: the sentence agrees with the limits of each cell."""
+"""Tests of `report.theory`: the sentence agrees with the limits of each cell."""
 
 import pytest
 
-from hknob_cli.report.passive import passive_verdict
+from hknob_cli.report.theory import passive_verdict
 
 HELD = {
     "device_passive": True, "colgate_schenkel": True, "abbott_okamura": True, "gil_hulin": True,

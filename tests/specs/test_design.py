@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from hknob_cli.errors import SpecError
-from hknob_cli.printed.tables import grasps
+from hknob_cli.printed import grasps
 from hknob_cli.specs import design
 from hknob_cli.specs.load import load
 from hknob_cli.specs.plan import PERSON

@@ -28,7 +28,7 @@ from hknob_cli.specs.plan import (
 )
 from hknob_cli.specs.source import Source
 from hknob_cli.stages.dfa.run import DfaStage
-from hknob_cli.stages.predict.run import predict
+from hknob_cli.stages.predict.work import predict
 from hknob_cli.stages.sweep.record import record_sweep
 from hknob_cli.stages.sweep.run import SweepStage
 

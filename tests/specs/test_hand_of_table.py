@@ -6,7 +6,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from hknob_cli.errors import SpecError
-from hknob_cli.printed.tables import grasps
+from hknob_cli.printed import grasps
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.generated import json_schema
 from hknob_cli.specs.load import load, validate

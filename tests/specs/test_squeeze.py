@@ -12,7 +12,7 @@ import pytest
 from scipy.optimize import brentq
 
 from hknob_cli.errors import SpecError
-from hknob_cli.printed.tables import grasps
+from hknob_cli.printed import grasps
 from hknob_cli.report.derived_numbers import derived_numbers
 from hknob_cli.report.scene_words import scene_sentences
 from hknob_cli.scene.plain_knob import scene_along

@@ -7,8 +7,7 @@ import pytest
 
 from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.specs.plan import Actuator, Bias, Encoder, Finger, Fingerpad, Hand, Knob, Scene, Wall
-from hknob_cli.theory.attached import Attached, attached_to
-from hknob_cli.theory.relay import Relay, describing_function, response
+from hknob_cli.theory.relay import Attached, Relay, attached_to, describing_function, response
 
 PERIOD, COUNTS = 1e-3, 1024
 FINGER, PAD = Finger(inertia=3e-7, damping=2e-3, stiffness=0.5), Fingerpad(damping=1e-3, stiffness=5.0)

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from hknob_cli.theory.attached import Attached
-from hknob_cli.theory.relay import Relay, RelayCycle, describing_function, tsypkin
+from hknob_cli.theory.relay import Attached, Relay, RelayCycle, describing_function, tsypkin
 
 # Plants from light to heavy, held and not; delays; half widths of the hysteresis per relay level.
 CASES = [

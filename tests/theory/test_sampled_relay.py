@@ -13,7 +13,7 @@ from hknob_cli.scene.plain_knob import SampledKnob, sample_knob
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.load import load
 from hknob_cli.specs.plan import COUNTS, RATE
-from hknob_cli.theory.sampled_relay import SampledCycle, sampled_cycles
+from hknob_cli.theory.staircase import SampledCycle, sampled_cycles
 from tests.conftest import EXPERIMENTS
 
 READINGS = ["hand_on_knob", "hand_on_knob_half_quantum"]

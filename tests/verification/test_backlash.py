@@ -12,8 +12,7 @@ from hknob_cli.engine.general.teeth import APART, pressing
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.measure.general_orbit import RATTLE, GeneralMeasurer
-from hknob_cli.scene.general_knob import GeneralKnob, sample_general
-from hknob_cli.scene.trial import Trial, simulate
+from hknob_cli.scene.general_knob import GeneralKnob, Trial, sample_general, simulate
 from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.plan import Scene
 from hknob_cli.specs.scene import SceneSpec

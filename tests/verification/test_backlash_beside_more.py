@@ -19,8 +19,7 @@ from hknob_cli.engine.general.search import GeneralEngine, as_arrays, make_space
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.measure.general_orbit import RATTLE, GeneralMeasurer, LawMeasurer
-from hknob_cli.scene.general_knob import sample_general
-from hknob_cli.scene.trial import simulate
+from hknob_cli.scene.general_knob import sample_general, simulate
 from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.scene import SceneSpec
 from tests.controllers.laws import EVERY

@@ -22,8 +22,7 @@ from hknob_cli.engine.general.torque_curve import curve_at, rounded_size
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.general_orbit import GeneralMeasurer
-from hknob_cli.scene.general_knob import GeneralKnob, sample_general
-from hknob_cli.scene.trial import simulate
+from hknob_cli.scene.general_knob import GeneralKnob, sample_general, simulate
 from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.scene import SceneSpec
 from tests import digits as mp

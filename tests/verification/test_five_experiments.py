@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.apparatus.people import EXPERIMENTS
-from hknob_cli.printed.tables import half_widths, table
+from hknob_cli.printed import half_widths, table
 from hknob_cli.specs.load import load
 from hknob_cli.stages.sysid.run import SysidStage
 from tests.apparatus.truths import truths

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from hknob_cli.scene.trial import simulate
+from hknob_cli.scene.general_knob import simulate
 from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.plan import COUNTS, RATE, SweepPlan

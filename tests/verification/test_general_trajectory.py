@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from hknob_cli.scene.trial import Trial, simulate
+from hknob_cli.scene.general_knob import Trial, simulate
 from hknob_cli.specs.scene import SceneSpec
 
 from . import general_reference as reference

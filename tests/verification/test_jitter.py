@@ -17,8 +17,7 @@ from hknob_cli.engine.general.search import GeneralEngine
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.measure.general_orbit import RATTLE, GeneralMeasurer
-from hknob_cli.scene.general_knob import GeneralKnob, sample_general
-from hknob_cli.scene.trial import follow_knob
+from hknob_cli.scene.general_knob import GeneralKnob, follow_knob, sample_general
 from hknob_cli.specs.plan import Record
 from hknob_cli.specs.scene import SceneSpec
 from hknob_cli.stages.sweep.record import record_trial

@@ -13,8 +13,7 @@ from hknob_cli.engine.attractors import Patience
 from hknob_cli.engine.general.search import GeneralEngine
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.general_orbit import GeneralMeasurer
-from hknob_cli.scene.general_knob import sample_general
-from hknob_cli.scene.trial import simulate
+from hknob_cli.scene.general_knob import sample_general, simulate
 from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.scene import SceneSpec
 from tests import digits as mp

@@ -18,8 +18,7 @@ from hknob_cli.engine.general.trace import Rows, run
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.general_orbit import GeneralMeasurer
-from hknob_cli.scene.general_knob import sample_general
-from hknob_cli.scene.trial import simulate
+from hknob_cli.scene.general_knob import sample_general, simulate
 from hknob_cli.specs.scene import SceneSpec
 from tests import digits as mp
 

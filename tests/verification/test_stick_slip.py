@@ -17,7 +17,7 @@ import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from hknob_cli.scene.trial import Trial, simulate
+from hknob_cli.scene.general_knob import Trial, simulate
 from hknob_cli.specs.plan import Actuator, Bias, Encoder, Finger, Fingerpad, Hand, Knob, Scene, Wall
 
 EPS = 2.0**-53

@@ -15,7 +15,7 @@ from hknob_cli.engine.outcome import Outcome
 from hknob_cli.engine.sets.search import Box, SetEngine
 from hknob_cli.scene.plain_knob import SampledKnob
 from hknob_cli.theory.relay import Relay, start_of_half, tsypkin
-from hknob_cli.theory.sampled_relay import SampledCycle, sampled_cycles
+from hknob_cli.theory.staircase import SampledCycle, sampled_cycles
 
 from .scenes import COUNTS, RATES_HZ, STIFFNESSES, hand_on_knob, sample
 

@@ -27,7 +27,7 @@ class Controller(NamedTuple):
     table: Any = None  # torque over the angle, wall included, as `torque_table` has it: list or array
     band: float = 0.0  # a smaller torque is not sent
     hysteresis: float = 0.0  # counts by which the knob turns back until the count does
-    clock: Any = None  # of jittering samples, as `jitter` has it: list or array
+    clock: Any = None  # of jittering samples, as `interval` has it: list or array
     curve: Any = None  # torque over the angle beside the wall, of a continuous sensor, as `torque_curve` has it
 
 

@@ -15,7 +15,7 @@ motion, and the growth of a difference is bounded by the derivative's powers. Te
 they stay on one flank, which is one more margin; where they part it may grow, and the derivative alone says that nearby
 motions come closer: that is no proof. With cogging a corner is such a margin, as long as the springs of one slope hold
 the knob; over corners, and where they do not, `corners` bounds what that adds. A torque over the angle of a continuous
-sensor is linear between its knees and steps, which are such margins, too; where it bends, `bent` bounds what that adds.
+sensor is linear between its knees and steps, which are such margins, too; where it bends, what that adds is bounded.
 """
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN

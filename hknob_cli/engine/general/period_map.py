@@ -221,7 +221,7 @@ def within(before, ring, head, period, body, wall, space, m):
         before, head = advance_columns(space.state, before, space.line, head, body, wall, space, m)
         if stays:
             far = far_between_samples(body, space, m)
-            if bends(wall) > 0.0:  # all numbers may be off by as much again (`bent`), and the command by what it bends
+            if bends(wall) > 0.0:  # all numbers may be off by as much again, and the command by what it bends
                 far = 2.0 * far + reach_on(body.cogs, space.orbit[0], body) * bends(wall) * (2.0 * reach) ** 2
             if not far < room_left(body, space):
                 return False, bound

@@ -234,7 +234,7 @@ def follow_arcs(start, budget, limit, most, final, room, known, loop):
     table of ``known``, all else into ``room.progress``.
 
     Args:
-        start: `centre.Start`.
+        start: `ball.Start`.
         budget: Samples that a motion may take.
         limit: Position past which a motion has diverged.
         most: Samples after which this call ends. A search for an orbit under way then is finished first.

@@ -230,7 +230,7 @@ def follow_ball(trial, radius, ring, samples, limit, small, known, loop):
     """Follow the ball around a trial for at most ``samples`` samples.
 
     Args:
-        trial: Its centre, `centre.Trial`.
+        trial: Its centre, `Trial`.
         radius: Bound on the distance of its states from the centre, in the norm of `certificate.distance`.
         ring: The delay line; changed in place.
         samples: That may pass.

@@ -1,4 +1,4 @@
-/* The pulse that a grip fires, in the order of operations of hknob_cli/hardware/grip_trigger.py, to the last bit. */
+/* The pulse that a grip fires, in the order of operations of hknob_cli/hardware/control.py, to the last bit. */
 #include "pulse.h"
 
 #include <math.h>

@@ -6,7 +6,7 @@
 
 #include "messages.h"
 
-/* What a trial is at, in the order of hknob_cli/hardware/grip_trigger.py. */
+/* What a trial is at, in the order of hknob_cli/hardware/control.py. */
 enum { PULSE_ZERO = 0, PULSE_RELAX, PULSE_SQUEEZE, PULSE_HOLD, PULSE_ON, PULSE_RELEASE, PULSE_DONE };
 
 struct pulse_state {

@@ -85,7 +85,7 @@ class Zero(NamedTuple):
 
 
 class SetAct(NamedTuple):
-    """What acts in a trial beside the plain wall: `acts.KINDS` has its type."""
+    """What acts in a trial beside the plain wall: `codes.KINDS` has its type."""
 
     nonce: int
     act: Act

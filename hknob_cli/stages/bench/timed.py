@@ -1,4 +1,4 @@
-"""One run of the benchmark, in whatever process: a method in a scene, timed."""
+"""The methods of the benchmark by name, each with its settings, and one run of one in a scene, timed."""
 
 import time
 import warnings
@@ -10,17 +10,74 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.baselines import digits60
-from hknob_cli.baselines.catalogue import Setting, run_rival
 from hknob_cli.baselines.fixed_step import METHODS as FIXED
+from hknob_cli.baselines.fixed_step import FixedStep
 from hknob_cli.baselines.model import PHASE, Controller, Deadline, LostError, Motion, TooSlowError, follow
 from hknob_cli.baselines.mujoco_hinge import INTEGRATORS as MUJOCO
+from hknob_cli.baselines.mujoco_hinge import MujocoHinge
+from hknob_cli.baselines.scipy_methods import CLASSES as SCIPY
+from hknob_cli.baselines.scipy_methods import ScipyIntegrator
 from hknob_cli.engine.jit import compiled as compiled_functions
 from hknob_cli.errors import ComputationError, HknobError
 from hknob_cli.measure.unsampled import events
-from hknob_cli.scene.general_knob import sample_general
+from hknob_cli.scene.general_knob import follow_knob, sample_general
 from hknob_cli.scene.plain_knob import reduce_unsampled
-from hknob_cli.scene.trial import follow_knob
-from hknob_cli.specs.plan import BenchScene
+from hknob_cli.specs.plan import BenchPlan, BenchScene
+
+
+class Setting(NamedTuple):
+    """How a method is run.
+
+    ``tolerance``: relative, None for the method's default; ``substeps``: steps a sample; ``smoothing``: rad/s, None for
+    friction that sticks. ``friction`` says how it is treated: none, stick, smoothed, soft or stiff (a constraint).
+    """
+
+    label: str
+    friction: str = "none"
+    tolerance: float | None = None
+    substeps: int | None = None
+    smoothing: float | None = None
+
+
+def settings(plan: BenchPlan, trial: BenchScene, method: str) -> list[Setting]:
+    """Settings of a rival in a scene, the coarsest first."""
+    rubs = trial.scene.knob.coulomb_torque > 0.0
+    if method in SCIPY:
+        found = []
+        for smoothing in (None, plan.smoothing) if rubs else (None,):
+            friction = "none" if not rubs else "smoothed" if smoothing else "stick"
+            mark = ", smoothed" if smoothing else ""
+            found.append(Setting(f"default{mark}", friction, smoothing=smoothing))
+            found += [Setting(f"{rtol:g}{mark}", friction, rtol, smoothing=smoothing) for rtol in plan.tolerances]
+        return found
+    kinds = ("none",) if not rubs else ("soft", "stiff") if method in MUJOCO else ("stick",)
+    return [
+        Setting(f"{n} a sample{', stiff friction' if kind == 'stiff' else ''}", kind, substeps=n)
+        for kind in kinds
+        for n in plan.substeps
+    ]
+
+
+def run_rival(trial: BenchScene, method: str, setting: Setting, deadline: Deadline) -> Motion:
+    """One run, set-up included. Raises what `run.follow` raises."""
+    if method in FIXED:
+        assert setting.substeps is not None
+        return FixedStep(trial, method=method, substeps=setting.substeps).run(deadline)
+    controller = Controller(trial)
+    if method in SCIPY:
+        integrator = ScipyIntegrator(
+            trial,
+            controller,
+            method=method,
+            tolerance=setting.tolerance,
+            smoothing=setting.smoothing,
+            deadline=deadline,
+        )
+        return follow(trial, controller, integrator, integrator.start(trial), deadline)
+    assert setting.substeps is not None
+    hinge = MujocoHinge(trial, controller, method=method, substeps=setting.substeps, stiff=setting.friction == "stiff")
+    return follow(trial, controller, hinge, hinge.start(trial), deadline)
+
 
 QUICK_S = 0.03  # runs are repeated while they take no longer together
 MOST_REPEATS = 7

@@ -13,9 +13,8 @@ from hknob_cli.specs.plan import COUNTS, PERSON, RATE, Bias, Cell, Hand, knob_co
 from hknob_cli.specs.stage_plans import Candidate, Choice, DesignPlan, Value
 from hknob_cli.stages.lag_domain import in_domain
 from hknob_cli.stages.sweep.cell import CellResult
-from hknob_cli.stages.sweep.engines import Engines
 from hknob_cli.stages.sweep.perceived import sizes_of_result
-from hknob_cli.stages.sweep.run import SweepStage
+from hknob_cli.stages.sweep.run import Engines, SweepStage
 from hknob_cli.stages.sweep.tables import cells_table
 
 

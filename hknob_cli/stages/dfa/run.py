@@ -20,11 +20,9 @@ from hknob_cli.specs.parquet import why_unreadable
 from hknob_cli.specs.plan import COUNTS, RATE, Cell, DfaPlan, Encoder, Scene, scene_at
 from hknob_cli.stages import compare
 from hknob_cli.stages.compare import key_of, sweep_file
-from hknob_cli.theory.attached import Attached, attached_to
 from hknob_cli.theory.laws import MOST_FRICTION
-from hknob_cli.theory.relay import Relay, RelayCycle, describing_function, tsypkin
-from hknob_cli.theory.sampled_relay import MOST_PAIRS, sampled_cycles
-from hknob_cli.theory.staircase import swings
+from hknob_cli.theory.relay import Attached, Relay, RelayCycle, attached_to, describing_function, tsypkin
+from hknob_cli.theory.staircase import MOST_PAIRS, sampled_cycles, swings
 
 LISTED = (
     Column("listed", pa.bool_(), "", "whether the sweep's complete list has this cycle; null where none is complete"),

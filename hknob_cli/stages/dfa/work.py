@@ -4,7 +4,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.report.dfa import describe_dfa, dfa_text, nearest_cycles
+from hknob_cli.report.theory import describe_dfa, dfa_text, nearest_cycles
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.stages import compare
 from hknob_cli.stages.dfa.run import DfaStage, digest_of_lists

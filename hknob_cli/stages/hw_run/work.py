@@ -55,7 +55,7 @@ class HwRunWork(Work):
     def input_files(self, job: Job) -> tuple[Path, ...]:
         """Recordings to replay, where a folder stands for its samples; what was computed of remedies; printed hands."""
         if isinstance(job.plan, PulsePlan):
-            from hknob_cli.printed.tables import file_of
+            from hknob_cli.printed import file_of
 
             return file_of(job.plan.pulses.person.table), file_of(10)
         computed = [remedies.computed_path(job.plan.against)] if job.plan.against else []

@@ -7,9 +7,8 @@ from collections import Counter
 from math import ceil, floor, log10
 from typing import Any
 
-from hknob_cli.report.dfa import SWEEP_PROVES, overlap_text
-from hknob_cli.report.passive import LIMITS, passive_verdict
 from hknob_cli.report.table import MAX_ROWS, fits, matrix, short, table
+from hknob_cli.report.theory import LIMITS, SWEEP_PROVES, overlap_text, passive_verdict
 from hknob_cli.report.verdicts import expected
 
 _WITH_HAND = "_with_hand"

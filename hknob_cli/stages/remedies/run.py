@@ -21,10 +21,9 @@ from hknob_cli.specs.stage_plans import KNOCKS, RemediesPlan, Remedy
 from hknob_cli.spread.forks import Forked, Forks, usable_cores
 from hknob_cli.stages.lag_domain import has_domain, in_domain
 from hknob_cli.stages.remedies.columns import AXES, BUZZ, CASES, DOMAIN, KEYS, NEEDS, TUNED, level_columns, louder
-from hknob_cli.stages.sweep.engines import Engines
 from hknob_cli.stages.sweep.perceived import sizes_of_rows
 from hknob_cli.stages.sweep.record import trajectories
-from hknob_cli.stages.sweep.run import SweepStage
+from hknob_cli.stages.sweep.run import Engines, SweepStage
 
 if TYPE_CHECKING:
     from hknob_cli.stages.make import Kept

@@ -8,7 +8,7 @@ import numpy as np
 
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.orbit import Harmonics
-from hknob_cli.perception import hearing, torque_step, touch
+from hknob_cli.perception import hearing, touch
 from hknob_cli.perception.level import decibels
 from hknob_cli.specs.perception import Perceive
 from hknob_cli.stages.sweep.cell import CellResult
@@ -139,9 +139,9 @@ def _loudest(frequency: Any, sound: Any, how: Perceive) -> float:
 
 def step_db(how: Perceive, *, stiffness: float, counts: float) -> float:
     """Level of the torque step of a count; NaN without a step, or outside the published range."""
-    if not (how.extrapolate or torque_step.in_range(counts)):
+    if not (how.extrapolate or touch.step_in_range(counts)):
         return nan
-    level = float(torque_step.level(torque_step.torque_step(stiffness, counts), counts, extrapolate=True))
+    level = float(touch.step_level(touch.torque_step(stiffness, counts), counts, extrapolate=True))
     return level if isfinite(level) else nan
 
 

@@ -1,19 +1,20 @@
-"""The sweep: every cell of the grid to its proven limit cycles, as two tables.
+"""The sweep: every cell of the grid to its proven limit cycles, as two tables, and what is compiled of the engine.
 
-Work is counted in trial-samples of the engine that a cell takes. A guess that is too low costs little: the interpreter
-gives up where a search needs the compiler (`engine.attractors.NeedsCompilerError`), and the cell begins again.
+Groups of its functions are compiled when that is worth its time, for all sweeps of a command.
 """
 
 import random
 import threading
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from math import ceil
+from threading import Lock
 from typing import Any, TypeVar
 
-from hknob_cli.engine.attractors import NeedsCompilerError
+from hknob_cli.engine.attractors import PATIENCE, NeedsCompilerError, Patience
 from hknob_cli.engine.budget import sample_limit, settling_samples
-from hknob_cli.engine.compiling import working_clock
+from hknob_cli.engine.compiling import COMPILING_S, tell, tell_compiling, working_clock
+from hknob_cli.engine.jit import compiled, interpreted_s, is_kept, note_interpreted, waiting
 from hknob_cli.engine.propagator import slowest_rate
 from hknob_cli.results.parted import PART_CELLS
 from hknob_cli.scene.plain_knob import sample_knob
@@ -21,8 +22,90 @@ from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import COUNTS, RATE, Cell, SweepPlan, scene_at
 from hknob_cli.spread.forks import usable_cores
 from hknob_cli.stages.sweep.cell import CLOCKS, GROWTH_S, LAW_SETS, CellFinder, CellResult, engine_group
-from hknob_cli.stages.sweep.engines import COMPILE_ABOVE, Engines, work_of
 from hknob_cli.stages.sweep.tables import SweepTables, cells_table, joined, orbits_table
+
+COMPILE_ABOVE = 600_000  # trial-samples; the interpreter does as many in the time that loading compiled code takes
+LOADING_S = 0.5  # that time, with some room; where nothing is kept, compiling takes many times as long
+HEAVIER = {
+    "plain": 1.0,
+    "bounces": 1.0,
+    "general": 2.5,
+    "laws": 40.0,
+    "sets": 1.0,
+    "general sets": 20.0,
+    "friction sets": 50.0,
+    "friction arcs": 40.0,
+    "unsampled": 1.0,
+}  # times that a sample takes the interpreter longer than in the plain loop, with what is done once a trial
+
+
+def work_of(expected: Mapping[str, float]) -> float:
+    """Trial-samples of the plain loop that take as long as those expected of each group."""
+    return sum(samples * HEAVIER[group] for group, samples in expected.items())
+
+
+class Engines:
+    """Compiled functions by their group; ``notify``, else whoever was before, is told of waits."""
+
+    def __init__(self, *, notify: Callable[[str], None] | None = None) -> None:
+        self.functions: dict[str, dict[str, Callable[..., Any]]] = {}
+        self._notify = notify
+        self._one_compiles = Lock()  # threads may want a group at the same time
+        self._worth: dict[str, float] = {}
+        self._interpreted_s: dict[str, float] = {}
+        self._kept_s: dict[str, float] = {}  # of these seconds, those that later runs know of
+
+    def compile(self, group: str) -> None:
+        """Have the compiled functions of a group."""
+        with self._one_compiles:
+            if group in self.functions:
+                return
+            if self._notify:
+                tell_compiling(self._notify)
+            if text := waiting(group):
+                tell(text)
+            self.functions = {**self.functions, group: compiled(group)}
+
+    def compile_for(self, expected: Mapping[str, float]) -> None:
+        """Compile the groups whose trial-samples take the interpreter longer than that."""
+        for group, samples in expected.items():
+            if work_of({group: samples}) > COMPILE_ABOVE * self._compiler_s(group) / LOADING_S:
+                self.compile(group)
+
+    def note(self, group: str, seconds: float) -> None:
+        """A cell of a group took so long, compiled or not."""
+        if group not in self.functions:
+            self._interpreted_s[group] = self._interpreted_s.get(group, 0.0) + seconds
+
+    def keep(self) -> None:
+        """Let later runs know how long this one has interpreted, where it took longer than loading compiled code."""
+        for group, seconds in self._interpreted_s.items():
+            new = seconds - self._kept_s.get(group, 0.0)
+            if new > LOADING_S and group in HEAVIER and not is_kept(group):
+                note_interpreted(group, new)
+                self._kept_s[group] = seconds
+
+    def is_due(self, group: str) -> bool:
+        """Whether the interpreter has taken as long with a group as compiling does."""
+        return group in HEAVIER and group not in self.functions and self.patience(group).seconds == 0.0
+
+    def patience(self, group: str) -> Patience:
+        """How much the interpreter tries: until it has taken as long as compiling would, so at most twice what is best.
+
+        What it finds is the same to the last bit, so that no result depends on the clock.
+        """
+        worth = self._compiler_s(group)
+        return Patience(
+            samples=int(PATIENCE * worth / LOADING_S), seconds=max(0.0, worth - self._interpreted_s.get(group, 0.0))
+        )
+
+    def _compiler_s(self, group: str) -> float:
+        """Seconds that it takes to have compiled code of a group: to load it, or to make it, less those interpreted."""
+        if group not in self._worth:
+            left = 0.0 if is_kept(group) else COMPILING_S[group] - interpreted_s(group)
+            self._worth[group] = max(LOADING_S, left)
+        return self._worth[group]
+
 
 DETECTION = 300.0  # samples of a trial beyond its transient, roughly
 UNKNOWN = 2000.0  # samples of a trial of more than two states, roughly

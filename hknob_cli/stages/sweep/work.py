@@ -12,8 +12,7 @@ from hknob_cli.specs.plan import COUNTS, PERSON, is_unpushed, knob_counts, scene
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.make import stamp_of
 from hknob_cli.stages.sweep.completeness_text import completeness_text, describe_completeness
-from hknob_cli.stages.sweep.engines import Engines
-from hknob_cli.stages.sweep.run import SweepStage
+from hknob_cli.stages.sweep.run import Engines, SweepStage
 from hknob_cli.stages.sweep.text import describe_sweep, table_text
 from hknob_cli.stages.work import PerceivingWork, Tables, Work, note
 from hknob_cli.terminal import progress_bar
@@ -212,7 +211,7 @@ def _draw_grid(job: Job, cells: Any, orbits: Any, path: Path) -> bool:
         _draw_one(job, cells, orbits, path)
         return True
     if PERSON in axes:
-        from hknob_cli.figures.sweep_picture import draw_population
+        from hknob_cli.figures.cell_dots import draw_population
 
         drawn = draw_population(cells.to_pylist(), axes, title=job.plan.name, path=path)
     else:
@@ -232,7 +231,7 @@ def _draw_one(job: Job, cells: Any, orbits: Any, path: Path) -> None:
     """The motion of the one cell on its orbits."""
     from math import pi
 
-    from hknob_cli.figures.sweep_picture import PERIODS, draw_one_cell
+    from hknob_cli.figures.attractors import PERIODS, draw_one_cell
     from hknob_cli.stages.sweep.record import record_one
 
     rows = orbits.to_pylist()

@@ -1,4 +1,4 @@
 """Stage sysid: the hand that holds a knob, identified.
 
-- `calibration`, `against` the estimators beside the truth, `remarks`
+- `against` the truth, and other tables beside those of hands; `remarks`
 """

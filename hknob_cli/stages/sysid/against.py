@@ -1,6 +1,8 @@
-"""Estimators beside the truth: of hands that a virtual device simulated, and of studies of bias and of hidden fingers.
+"""Tables beside those of hands: calibrations, studies of the estimators, and fits beside the truth of a device.
 
-Of an average the truth is the mean over its trials, each with the hand at the grip at which its pulse came.
+A calibration is of the motor or of the grip cell: readings taken or made, lines through them. Studies are of bias and
+of hidden fingers. The truth is of a campaign of pulses on a virtual device; of an average it is the mean over its
+trials, each with the hand at the grip at which its pulse came.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -10,10 +12,14 @@ from typing import Any, NamedTuple
 
 import pyarrow as pa
 
+from hknob_cli.apparatus.experiment import record_grip_cell, record_motor_calibration
+from hknob_cli.apparatus.hand_recording import virtual_rig
 from hknob_cli.apparatus.people import mean_hand
 from hknob_cli.errors import UsageError
+from hknob_cli.identify import identified
 from hknob_cli.identify.studies import NUISANCES, UNITS, bias_study, hidden_inertia
-from hknob_cli.printed.tables import apparatus_inertia
+from hknob_cli.printed import apparatus_inertia
+from hknob_cli.recordings.files import GRIP_CELL, MOTOR, read_columns
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.campaign_files import TRUTH
 from hknob_cli.specs.identification import CAMPAIGN_SAMPLES, BiasPlan, HiddenPlan, SysidPlan
@@ -22,6 +28,36 @@ from hknob_cli.stages.compare import read_table, result_file
 from hknob_cli.stages.sysid import columns
 from hknob_cli.stages.sysid.columns import PARAMETERS
 from hknob_cli.stages.sysid.run import Fitted, SysidStage
+
+
+def calibrate(plan: SysidPlan) -> tuple[pa.Table, pa.Table]:
+    """Quantities, and the points that each rests on with its line there. Raises `UsageError`."""
+    motor = plan.what == "motor"
+    readings: Mapping[str, Any]
+    if plan.virtual is None:
+        readings = read_columns(plan.recordings, MOTOR if motor else GRIP_CELL)
+    elif motor:
+        readings = record_motor_calibration(virtual_rig(plan), seed=plan.virtual.seed)._asdict()
+    else:
+        readings = record_grip_cell(seed=plan.virtual.seed)._asdict()
+    found = identified.motor(readings) if motor else identified.grip_cell(readings)
+    quantities = [{**one._asdict(), "flags": "; ".join(one.flags)} for one in found]
+    points = [
+        {
+            "quantity": one.quantity,
+            "condition": one.condition,
+            "x": x,
+            "x_unit": one.line.x_unit,
+            "y": y,
+            "y_unit": one.line.y_unit,
+            "fitted": fitted,
+        }
+        for one in found
+        if one.line is not None
+        for x, y, fitted in zip(one.line.x, one.line.y, one.line.fitted, strict=True)
+    ]
+    return build_table(columns.CALIBRATION, quantities), build_table(columns.CALIBRATION_POINTS, points)
+
 
 _FILE = "trials.parquet"
 _WHAT = "campaign of pulses"

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from hknob_cli.recordings.health import WRONG_SIGN
+from hknob_cli.recordings.trial import WRONG_SIGN
 
 Row = Mapping[str, Any]
 MOST_SAID = 6

@@ -18,9 +18,8 @@ from hknob_cli.identify.motion import Motion
 from hknob_cli.identify.output_error import output_error
 from hknob_cli.identify.prepare import Preparation, Prepared, conditions
 from hknob_cli.recordings.files import table as recordings_table
-from hknob_cli.recordings.health import WRONG_SIGN
 from hknob_cli.recordings.read import read
-from hknob_cli.recordings.trial import Trial
+from hknob_cli.recordings.trial import WRONG_SIGN, Trial
 from hknob_cli.results.arrays import build_table
 from hknob_cli.specs.identification import SysidPlan
 from hknob_cli.stages.sysid import columns

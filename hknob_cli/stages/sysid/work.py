@@ -11,6 +11,7 @@ from hknob_cli.results.versions import version
 from hknob_cli.specs.named_file import digest_of
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.sysid.against import (
+    calibrate,
     check_of,
     describe_truth,
     levels_of,
@@ -19,7 +20,6 @@ from hknob_cli.stages.sysid.against import (
     truth_path,
     truth_table,
 )
-from hknob_cli.stages.sysid.calibration import calibrate
 from hknob_cli.stages.sysid.run import SysidStage, kept_recordings
 from hknob_cli.stages.sysid.text import describe_sysid, study_text, sysid_text
 from hknob_cli.stages.work import Tables, Work, note
@@ -77,7 +77,7 @@ class SysidWork(Work):
         if job.plan.virtual is None and not job.plan.study:
             files: tuple[Path, ...] = job.plan.files
             return (*files, truth_path(job.plan.against)) if job.plan.against else files
-        from hknob_cli.printed.tables import NUMBERS, file_of
+        from hknob_cli.printed import NUMBERS, file_of
 
         return tuple(map(file_of, NUMBERS))
 

@@ -15,8 +15,7 @@ from hknob_cli.engine.general.controller import Controller, edge_gap, read_after
 from hknob_cli.engine.general.hysteresis import pass_still, turn_and_count, way_at_most
 from hknob_cli.engine.general.search import GeneralEngine, make_space
 from hknob_cli.errors import ComputationError
-from hknob_cli.scene.general_knob import sample_general
-from hknob_cli.scene.trial import simulate
+from hknob_cli.scene.general_knob import sample_general, simulate
 from hknob_cli.stages.dfa.run import DfaStage
 from hknob_cli.stages.sweep.record import record_sweep
 from hknob_cli.stages.sweep.run import SweepStage

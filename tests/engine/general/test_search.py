@@ -116,7 +116,7 @@ def test_compiled_code_is_given_arrays() -> None:
 
     one = knob()
     table = one.wall._replace(table=module.np.array([0.0, 1.0, -1.0, -1.0, 0.5, 0.5, 0.5]))
-    names = ("general.run_trials", "general.chart_period", "general.parting_rate", "orbit.find_leak")
+    names = ("general.run_trials", "general.chart_period", "general.parting_rate", "find_leak")
     orbit = Attractor(Outcome.CYCLE, Reason.NONE, 1.0, period=3)
     for engine, kind in ((GeneralEngine(dict.fromkeys(names, charted)), module.np.ndarray), (GeneralEngine(), list)):
         engine._chart = charted  # type: ignore[assignment]

@@ -13,8 +13,7 @@ from hknob_cli.engine.general.standstill import settles
 from hknob_cli.engine.general.teeth import pressing
 from hknob_cli.engine.general.teeth_ends import Bounds, Mode, press, stuck_told, told
 from hknob_cli.engine.rest import AT_REST, MOVING
-from hknob_cli.scene.general_knob import GeneralKnob, sample_general
-from hknob_cli.scene.trial import follow_knob
+from hknob_cli.scene.general_knob import GeneralKnob, follow_knob, sample_general
 from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.scene import SceneSpec
 

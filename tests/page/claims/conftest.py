@@ -8,8 +8,8 @@ from typing import Any
 import pyarrow as pa
 import pytest
 
+from hknob_cli import printed
 from hknob_cli.page.claims.ledger import Ledger, load_ledger
-from hknob_cli.printed import tables
 from hknob_cli.results.provenance import describe
 from hknob_cli.results.result_set import ResultSet
 from hknob_cli.results.store import write
@@ -41,8 +41,8 @@ def ledger(tmp_path: Path) -> Callable[[str], Ledger]:
 def copied_tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder with a copy of the tables, which the program reads instead of its own."""
     folder = tmp_path / "tables"
-    shutil.copytree(tables.folder(), folder)
-    monkeypatch.setattr(tables, "FOLDERS", (folder,))
+    shutil.copytree(printed.folder(), folder)
+    monkeypatch.setattr(printed, "FOLDERS", (folder,))
     return folder
 
 

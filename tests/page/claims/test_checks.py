@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from hknob_cli import printed
 from hknob_cli.errors import UsageError
 from hknob_cli.identify.fourth_order import respond_fourth
 from hknob_cli.page.claims.checks import compute, known
 from hknob_cli.page.claims.checks.finger import network
-from hknob_cli.printed import tables
 from hknob_cli.results.result_set import ResultSet
 
 HEAD = (
@@ -38,7 +38,7 @@ def small_tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "table_07.csv").write_text("parameter,symbol,value,unit\nwall,K,0.27,N\nhand,k,0.08,N\n")
     (tmp_path / "table_08.csv").write_text("bits,a,b,mean,std\n8,1,3,2,1.4\n9,2,4,3.5,1.41\nmean,1.5,3.5,2.5,\n")
     (tmp_path / "table_09.csv").write_text("part,x,y,z\ncap,1.5,,N/A\nscrew,2.0,1.0,\nTOTALS,3.5,1.25,N/A\n")
-    monkeypatch.setattr(tables, "FOLDERS", (tmp_path,))
+    monkeypatch.setattr(printed, "FOLDERS", (tmp_path,))
 
 
 def value(name: str, **arguments: object) -> float | None:

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from hknob_cli import printed
 from hknob_cli.page.claims.checks import known
 from hknob_cli.page.claims.verdict import judge_claim
-from hknob_cli.printed import tables
-from hknob_cli.printed.tables import file_of
+from hknob_cli.printed import file_of
 from hknob_cli.results.result_set import ResultSet
 from tests.ledger import claim, verdicts
 
@@ -70,8 +70,8 @@ def test_a_printed_number_decides(
     text = path.read_text()
     assert old in text
     path.write_text(text.replace(old, new, 1))
-    tables._read.cache_clear()
+    printed._read.cache_clear()
     try:
         assert verdict(claim) == after
     finally:
-        tables._read.cache_clear()
+        printed._read.cache_clear()

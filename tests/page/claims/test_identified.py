@@ -11,7 +11,7 @@ from hknob_cli.errors import UsageError
 from hknob_cli.identify.second_order import Plant, respond
 from hknob_cli.page.claims.checks import compute
 from hknob_cli.page.claims.verdict import judge_claim
-from hknob_cli.printed.tables import table
+from hknob_cli.printed import table
 from hknob_cli.results.provenance import describe
 from hknob_cli.results.result_set import MissingError, ResultSet
 from hknob_cli.results.store import write

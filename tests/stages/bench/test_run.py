@@ -14,7 +14,7 @@ from hknob_cli.report.bench import bench_text, describe_bench
 from hknob_cli.specs.load import load
 from hknob_cli.specs.plan import BenchPlan, BenchScene
 from hknob_cli.stages.bench import timed as bench_run
-from hknob_cli.stages.bench.run import BenchStage, judge, measure
+from hknob_cli.stages.bench.work import BenchStage, judge, measure
 from tests.baselines.trials import trial
 from tests.conftest import EXPERIMENTS
 

@@ -9,8 +9,8 @@ from hknob_cli.perception.level import Doubt, doubts, other_sets
 from hknob_cli.specs.stage_plans import Limit
 from hknob_cli.stages.design.designs import Design
 from hknob_cli.stages.design.ranking import Judged, answer_if, judge, meets, redrawn
-from hknob_cli.stages.design.run import DesignStage
-from hknob_cli.stages.sweep.engines import Engines
+from hknob_cli.stages.design.work import DesignStage
+from hknob_cli.stages.sweep.run import Engines
 from tests.designs import DESIGN, planned
 
 ABOVE = Limit(most_db=0.0, people=0.0, above_present=True)

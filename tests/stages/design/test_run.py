@@ -10,8 +10,8 @@ from hknob_cli.specs.plan import COUNTS, RATE
 from hknob_cli.specs.stage_plans import DesignPlan, Limit
 from hknob_cli.stages.design.designs import Design, Evaluator, Rows, _pushes, designs, present, relaxed, surface
 from hknob_cli.stages.design.ranking import above, exceeded_by, judge, level
-from hknob_cli.stages.design.run import DesignStage
-from hknob_cli.stages.sweep.engines import Engines
+from hknob_cli.stages.design.work import DesignStage
+from hknob_cli.stages.sweep.run import Engines
 from tests.designs import DESIGN, planned
 
 Found = dict[Design, tuple[Rows, float]]
@@ -48,7 +48,7 @@ def searched(plan: DesignPlan, everything: Any) -> list[dict[str, Any]]:
 @pytest.mark.one_in(2)
 @pytest.mark.parametrize("exhaustive", [False, True])
 def test_processes_find_what_one_finds(monkeypatch: pytest.MonkeyPatch, exhaustive: bool) -> None:
-    monkeypatch.setattr("hknob_cli.stages.design.run.FEW", 0)
+    monkeypatch.setattr("hknob_cli.stages.design.work.FEW", 0)
     plan = planned()._replace(exhaustive=exhaustive)
     alone = DesignStage(plan, jobs=1).run()
     done: list[int] = []

@@ -10,9 +10,8 @@ import pytest
 from hknob_cli.engine import compiling, jit
 from hknob_cli.specs.load import load
 from hknob_cli.specs.plan import SweepPlan
-from hknob_cli.stages.sweep import engines as engines_of_sweeps
-from hknob_cli.stages.sweep.engines import COMPILE_ABOVE, HEAVIER, LOADING_S, Engines
-from hknob_cli.stages.sweep.run import SweepStage
+from hknob_cli.stages.sweep import run as engines_of_sweeps
+from hknob_cli.stages.sweep.run import COMPILE_ABOVE, HEAVIER, LOADING_S, Engines, SweepStage
 from tests.conftest import EXPERIMENTS
 
 

@@ -3,8 +3,7 @@
 import pytest
 
 from hknob_cli.specs.load import load
-from hknob_cli.stages.sweep.engines import COMPILE_ABOVE, LOADING_S, work_of
-from hknob_cli.stages.sweep.run import SweepStage
+from hknob_cli.stages.sweep.run import COMPILE_ABOVE, LOADING_S, SweepStage, work_of
 from tests.conftest import EXPERIMENTS
 
 FRICTION = "scene.knob.coulomb_torque=0.56 mN*m"

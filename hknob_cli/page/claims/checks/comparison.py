@@ -11,10 +11,9 @@ from typing import Any
 import numpy as np
 
 from hknob_cli.errors import UsageError
-from hknob_cli.page.claims.checks import check
+from hknob_cli.page.claims.checks import Line, check, lines, one_number, percent, rows_of
 from hknob_cli.page.claims.checks.edge import edge_of
 from hknob_cli.page.claims.checks.grid import exponent
-from hknob_cli.page.claims.checks.rows import Line, lines, one_number, percent, rows_of
 from hknob_cli.results.result_set import CAMPAIGN, MissingError, ResultSet, Rows, Where, matching
 from hknob_cli.specs.plan import COUNTS, RATE
 
@@ -158,7 +157,7 @@ def _differences(
     evidence: ResultSet, result: str, against: str, quantity: str, where: Where | None, file: str
 ) -> list[float]:
     """Relative differences to the sweep, one a cell. Raises `UsageError` for an unknown quantity, `MissingError`."""
-    from hknob_cli.report.dfa import nearest_cycles
+    from hknob_cli.report.theory import nearest_cycles
 
     if quantity not in QUANTITIES:
         raise UsageError(f"quantity: must be one of {', '.join(QUANTITIES)}, got '{quantity}'")

@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hknob_cli.errors import UsageError
-from hknob_cli.page.claims.checks import check
+from hknob_cli.page.claims.checks import check, one_number, percent, rests, rows_of
 from hknob_cli.page.claims.checks.grid import exponent
 from hknob_cli.page.claims.checks.motion import motion
-from hknob_cli.page.claims.checks.rows import one_number, percent, rests, rows_of
 from hknob_cli.results.result_set import MissingError, ResultSet, Where
 from hknob_cli.specs.plan import COUNTS, RATE
 

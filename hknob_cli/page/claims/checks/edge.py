@@ -7,8 +7,7 @@ from math import atan2, exp, log, pi, sin, sqrt
 from typing import TYPE_CHECKING, Any
 
 from hknob_cli.errors import UsageError
-from hknob_cli.page.claims.checks import check
-from hknob_cli.page.claims.checks.rows import one_number, percent, rows_of
+from hknob_cli.page.claims.checks import check, one_number, percent, rows_of
 from hknob_cli.results.result_set import ResultSet, Where, matching
 from hknob_cli.specs.plan import COUNTS
 

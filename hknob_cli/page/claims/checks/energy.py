@@ -4,10 +4,9 @@ import itertools
 from math import floor
 
 from hknob_cli.errors import UsageError
-from hknob_cli.page.claims.checks import check
+from hknob_cli.page.claims.checks import check, one_number, rows_of
 from hknob_cli.page.claims.checks.edge import edge_of
 from hknob_cli.page.claims.checks.motion import motion
-from hknob_cli.page.claims.checks.rows import one_number, rows_of
 from hknob_cli.results.result_set import ResultSet, Rows, Where
 
 PARTS = ("late_entry_j", "late_exit_j", "staircase_j")

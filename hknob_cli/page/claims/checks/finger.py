@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from hknob_cli.page.claims.checks import check
+from hknob_cli.page.claims.checks import check, one_number, rows_of
 from hknob_cli.page.claims.checks.printed import Names, bound, evaluate
-from hknob_cli.page.claims.checks.rows import one_number, rows_of
 from hknob_cli.results.result_set import MissingError, ResultSet, Where
 
 Matrix = np.ndarray[Any, np.dtype[np.float64]]

@@ -11,9 +11,8 @@ from math import log, nan
 import numpy as np
 
 from hknob_cli.errors import UsageError
-from hknob_cli.page.claims.checks import check
+from hknob_cli.page.claims.checks import Line, averaged, check, lines, one_number, percent, rows_of
 from hknob_cli.page.claims.checks.edge import edge_of
-from hknob_cli.page.claims.checks.rows import Line, averaged, lines, one_number, percent, rows_of
 from hknob_cli.results.result_set import MissingError, ResultSet, Where, matching
 from hknob_cli.specs.plan import PERSON
 

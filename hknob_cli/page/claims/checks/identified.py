@@ -22,10 +22,9 @@ from hknob_cli.apparatus.hand_recording import (
 from hknob_cli.apparatus.people import mean_hand
 from hknob_cli.errors import UsageError
 from hknob_cli.identify.fourth_order import hold_matrices
-from hknob_cli.page.claims.checks import check
+from hknob_cli.page.claims.checks import check, one_number, percent, rows_of
 from hknob_cli.page.claims.checks.printed import Names, bound
-from hknob_cli.page.claims.checks.rows import one_number, percent, rows_of
-from hknob_cli.printed.tables import cell, table
+from hknob_cli.printed import cell, table
 from hknob_cli.results.result_set import MissingError, ResultSet, Where
 from hknob_cli.specs.identification import InputPlan
 from hknob_cli.specs.plan import placed

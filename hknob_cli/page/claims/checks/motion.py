@@ -6,8 +6,7 @@ from statistics import median
 from typing import NamedTuple
 
 from hknob_cli.errors import UsageError
-from hknob_cli.page.claims.checks import check
-from hknob_cli.page.claims.checks.rows import one_number, percent, rows_of
+from hknob_cli.page.claims.checks import check, one_number, percent, rows_of
 from hknob_cli.results.result_set import ResultSet, Where
 from hknob_cli.specs.plan import COUNTS, RATE
 

@@ -13,7 +13,7 @@ from statistics import mean, stdev
 import numpy as np
 
 from hknob_cli.page.claims.checks import check
-from hknob_cli.printed.tables import Row, cell, half_widths, table
+from hknob_cli.printed import Row, cell, half_widths, table
 from hknob_cli.results.result_set import ResultSet
 
 _TWO: dict[type[ast.operator], Callable[[float, float], float]] = {

@@ -3,8 +3,7 @@
 import numpy as np
 
 from hknob_cli.errors import UsageError
-from hknob_cli.page.claims.checks import check
-from hknob_cli.page.claims.checks.rows import one_number, rows_of
+from hknob_cli.page.claims.checks import check, one_number, rows_of
 from hknob_cli.results.result_set import ResultSet, Where
 from hknob_cli.specs.plan import COUNTS, RATE
 
@@ -104,14 +103,14 @@ def torque_step_level(
     ``threshold``: the least of the published averages, or the largest, over the spatial periods of the experiment. A
     count finer than these periods is compared all the same.
     """
-    from hknob_cli.perception import torque_step
+    from hknob_cli.perception import touch
     from hknob_cli.perception.level import threshold_set
 
     found = threshold_set("torque", None)
     published = {"least": found["torque_nm"], "largest": found["largest_nm"]}
     if threshold not in published:
         raise UsageError(f"threshold: must be least or largest, got '{threshold}'")
-    step = torque_step.torque_step(stiffness_nm_per_rad, counts_per_rev)
+    step = touch.torque_step(stiffness_nm_per_rad, counts_per_rev)
     return float(20.0 * np.log10(step / published[threshold]))
 
 

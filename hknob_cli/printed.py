@@ -21,7 +21,7 @@ Row = dict[str, Value]
 
 _PACKAGE = Path(__file__).parent
 # In an installed package, then in the repository.
-FOLDERS = (_PACKAGE / "data", _PACKAGE.parents[1] / "data" / "printed")
+FOLDERS = (_PACKAGE / "data" / "printed", _PACKAGE.parent / "data" / "printed")
 
 # Which apparatus of Table 10 each table was measured with: the 17.8 mm knob, or the 29.9 mm knob.
 _SETUPS = {
