@@ -1,4 +1,4 @@
-"""A campaign: its order, what becomes of every trial, and that the torque is off on every way out."""
+"""Tests of `hardware.campaign`: its order, what becomes of every trial, and that the torque is off on every way out."""
 
 import math
 import shutil
@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hknob_cli.errors import DeviceError, RefusedError, UsageError
+from hknob_cli.errors import DeviceError, RefusedError, SpecError, UsageError
+from hknob_cli.hardware.campaign import check_persons
 from hknob_cli.hardware.journal import move_to_earlier, spec_digest
 from hknob_cli.hardware.order import settings_of, trials_of
 from hknob_cli.hardware.port import Block
@@ -401,3 +402,13 @@ def test_a_broken_journal_is_kept_and_the_trial_done_again(tmp_path: Path, damag
     part.write_bytes(content[damage])
     assert len(campaign(tmp_path, Faulty()).run()) == 4
     assert (folder / "aborted" / f"{label}_2.part").read_bytes() == content[damage]
+
+
+@pytest.mark.parametrize(("grip", "place"), [("grip: {target: 95}\n", "6:16"), ("grip: {band: 0.1}\nseed: 3\n", None)])
+def test_a_grip_beyond_the_table_is_told_where_it_is_written(grip: str, place: str | None) -> None:
+    plan = planned(SPEC + grip)
+    if place is None:
+        check_persons(plan)
+        return
+    with pytest.raises(SpecError, match=rf"^spec\.yaml:{place}: grip\.target: trial 1 .* up to a grip of 14\.2 N"):
+        check_persons(plan)

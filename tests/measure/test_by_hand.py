@@ -12,7 +12,7 @@ from hknob_cli.measure.general_orbit import GeneralMeasurer
 from hknob_cli.measure.growth import bounce_peaks
 from hknob_cli.measure.pieces import _balanced
 from tests.engine.general.bodies import knob
-from tests.engine.test_bounces import sampled
+from tests.engine.test_turning import sampled
 
 
 def test_a_generators_sizes_are_evened_out_by_powers_of_two() -> None:

@@ -52,7 +52,7 @@ BODIES = (
     "torque_table",
     "trace",
 )
-PLAIN = ("attractors", "bounces", "budget", "certificate", "ensemble", "extremes", "relay_cycles", "rest")
+PLAIN = ("attractors", "budget", "certificate", "ensemble", "extremes", "relay_cycles", "rest", "turning")
 # Without those that run every pair of parts, and every preset.
 SPEC_TESTS = (
     *(
@@ -78,18 +78,18 @@ OF_MEASURES = ("backlash", "energy_balance", "gear", "general_orbits", "motor", 
 CLI_OF_SPECS = ("explain", "new", "new_asks", "population", "predict", "presets", "remarks", "stdin", "sysid_foreign")
 WIRED = (
     *("edges", "safety_margins", "block_order_margins", "sample_clock_margins", "replay_margins"),
-    *("agreed_wall", "block_order", "campaign", "control", "drivers", "frame", "journal", "knob_motion", "measures"),
+    *("agreed_wall", "block_order", "campaign", "control", "frame", "journal", "knob_motion", "measures"),
     *("messages", "nuisances", "person", "pump", "replay", "safety", "sample_clock", "serial_device", "session"),
-    *("grip_trigger", "pulse_campaign", "pulse_loop", "pulse_person", "spoilt_trials", "tables", "trial_phases"),
+    *("pulse_campaign", "pulse_loop", "pulse_person", "spoilt_trials", "tables", "trial_phases"),
     *("trial_margins", "trial_run", "virtual", "virtual_motor", "wire_margins"),
     *("parts_by_hand", "reference_target"),
 )
 WATCHED: dict[str, tuple[str, ...]] = {
     "certificate.py": ("tests/engine/test_certificate.py", f"{PROOF}test_certificate_margins.py"),
     "ensemble.py": ("tests/engine/test_ensemble.py", "tests/engine/test_attractors.py"),
-    "loop.py": ("tests/engine/test_ensemble.py", "tests/engine/test_bounces.py", "tests/engine/test_attractors.py"),
+    "loop.py": ("tests/engine/test_ensemble.py", "tests/engine/test_turning.py", "tests/engine/test_attractors.py"),
     "propagator.py": ("tests/verification/test_propagator.py",),
-    "turning.py": ("tests/engine/test_turning.py", "tests/engine/test_bounces.py"),
+    "turning.py": ("tests/engine/test_turning.py",),
     "rest.py": ("tests/engine/test_rest.py", f"{PROOF}test_rest_margins.py"),
     "follow.py": ("tests/engine/test_rest.py", f"{SETS}test_ball.py", f"{PROOF}test_follow_margins.py"),
     "sets/ball.py": CAPTURE,
@@ -102,7 +102,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "sets/region.py": (f"{PROOF}test_convex_region_margins.py",),
     "sets/absorbing.py": (f"{PROOF}test_absorbing_margins.py", f"{PROOF}test_no_region_margins.py"),
     **{f"orbit_{name}.py": ORBIT for name in ("cycle", "holds")},
-    "measure/orbit.py": ("tests/measure/test_harmonics.py",),
+    "measure/orbit.py": ("tests/measure/test_orbit.py",),
     "measure/unsampled.py": tuple(f"tests/measure/test_unsampled{end}.py" for end in ("", "_margins")),
     "measure/growth.py": tuple(f"tests/measure/test_growth{end}.py" for end in ("", "_by_hand")),
     "general/columns.py": (f"{GENERAL}test_columns.py", f"{GENERAL}test_advance.py"),
@@ -232,7 +232,7 @@ FOLDERS: dict[str, tuple[str, ...]] = {
     "specs/": (
         *(f"tests/specs/test_{name}.py" for name in SPEC_TESTS),
         *(f"tests/faults/test_{name}.py" for name in ("bad_specs", "bad_designs", "named_files", "untrusted_specs")),
-        *(f"tests/scene/test_{name}.py" for name in ("sampled_cells", "sampled_knob", "torque_over_angle")),
+        *(f"tests/scene/test_{name}.py" for name in ("sampled_cells", "plain_knob", "torque_over_angle")),
         *(f"tests/cli/test_{name}.py" for name in CLI_OF_SPECS),
         *("tests/recordings/test_foreign.py", "tests/test_stage_table.py"),
     ),

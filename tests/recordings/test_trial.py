@@ -1,4 +1,4 @@
-"""Suspicious trials: each flag where it belongs, and none on a sound trial."""
+"""Tests of `recordings.trial`: each flag of a suspicious one where it belongs, and none on a sound one."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Harmonics of orbits against their moments in closed form, and against the motion that they add up to."""
+"""Tests of `measure.orbit`: harmonics against moments in closed form, and against the motion that they add up to."""
 
 from math import sqrt
 from typing import Any

@@ -1,4 +1,4 @@
-"""Tests of `report.theory`: the sentence agrees with the limits of each cell."""
+"""Tests of `report.theory`: the sentence on passivity agrees with the limits of each cell."""
 
 import pytest
 

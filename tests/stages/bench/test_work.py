@@ -1,4 +1,4 @@
-"""The references of a benchmark have an end, and a scene without one says so.
+"""Tests of `stages.bench.work`: references have an end, and a scene without one says so.
 
 Verdicts, on made-up motions.
 """

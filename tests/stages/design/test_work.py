@@ -1,4 +1,4 @@
-"""The search for a design: against brute force over all designs, and what is said of the answer."""
+"""Tests of `stages.design.work`: against brute force over all designs, and what is said of the answer."""
 
 from math import inf, log, pi
 from random import Random

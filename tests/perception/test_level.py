@@ -1,4 +1,4 @@
-"""The data of perception: found wherever the program is, and each with its source."""
+"""Tests of `perception.level`: the data are found wherever the program is, each with its source."""
 
 import tomllib
 from pathlib import Path
