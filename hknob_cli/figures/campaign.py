@@ -3,11 +3,13 @@
 Samples of a campaign's trials, and their steady parts: what the drawings of them start from.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import pi
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+import pyarrow as pa
 
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.panel import edges_between, scale_of
@@ -17,7 +19,7 @@ from hknob_cli.specs.plan import COUNTS, RATE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure, FigureBase
 
 Row = dict[str, Any]
 MOST = 6  # rows, and columns, of thumbnails
@@ -81,18 +83,28 @@ def held_trials(evidence: ResultSet, of: str, remedy: str = "") -> list[Held]:
     from hknob_cli.specs.campaign import Wall
 
     stiffness = TypeAdapter(Wall).validate_python(evidence[of].provenance["spec"].get("wall") or {}).stiffness
+    try:
+        return held_of(_tried(evidence, of, remedy), evidence[of].table("samples"), stiffness)
+    except MissingError as error:
+        raise MissingError(f"{error} in '{of}'") from None
+
+
+def held_of(trials: Sequence[Row], table: pa.Table, stiffness: float) -> list[Held]:
+    """The first of ``trials`` of every cell, with its samples; ``stiffness``: of walls whose rows lack it, N·m/rad.
+
+    Raises `MissingError` where there are none of them.
+    """
     first: dict[tuple[int, float], Row] = {}
-    for row in _tried(evidence, of, remedy):
+    for row in trials:
         key = (row[COUNTS], row[RATE])
         if key not in first or row["block"] < first[key]["block"]:
             first[key] = row
-    table = evidence[of].table("samples")
     number = table["trial"].to_numpy()
     found = []
     for _, row in sorted(first.items()):
         rows = np.flatnonzero(number == row["order"])
         if not rows.size:
-            raise MissingError(f"no samples of trial {row['order']} in '{of}'")
+            raise MissingError(f"no samples of trial {row['order']}")
         part = table.slice(int(rows[0]), int(rows[-1] - rows[0] + 1))
         running = part["running"].to_numpy(zero_copy_only=False)
         place = np.arange(running.size)
@@ -127,33 +139,43 @@ def campaign_thumbnails(evidence: ResultSet, of: str, *, cycles: float = 8.0, re
     if max(len(rates), len(counts)) > MOST:
         raise MissingError(f"'{of}' has {len(counts)} resolutions at {len(rates)} rates, too many for thumbnails")
     drawn = theme.figure(0.85 * len(counts) + 0.9)
-    panels = drawn.subplots(len(counts), len(rates), sharey="row", squeeze=False)
-    for trial in trials:
-        panel = panels[counts.index(trial.row[COUNTS])][rates.index(trial.row[RATE])]
-        _thumbnail(panel, trial, cycles)
-    for j, rate in enumerate(rates):
-        panels[0][j].set_title(f"{short(rate, 6)} Hz")
-    for i, count in enumerate(counts):
-        panels[i][0].set_ylabel(f"{count}\nmrad", fontsize=8)
-    drawn.supxlabel(f"time, ms: the last {cycles:g} cycles of the buzz;  grey: at rest, 0.1 s", fontsize=8)
+    draw_thumbnails(drawn, trials, cycles=cycles)
     return drawn
 
 
-def _thumbnail(panel: "Axes", trial: Held, cycles: float) -> None:
+def draw_thumbnails(drawn: "FigureBase", trials: list[Held], *, cycles: float) -> None:
+    """Draw them into a figure, or a part of one, as `campaign_thumbnails` says."""
+    rates, counts = sorted({one.row[RATE] for one in trials}), sorted({one.row[COUNTS] for one in trials})
+    panels = drawn.subplots(len(counts), len(rates), sharey="row", squeeze=False)
+    reach = dict.fromkeys(counts, 0.0)
+    for trial in trials:
+        count = trial.row[COUNTS]
+        panel = panels[counts.index(count)][rates.index(trial.row[RATE])]
+        reach[count] = max(reach[count], _thumbnail(panel, trial, cycles))
+    for j, rate in enumerate(rates):
+        panels[0][j].set_title(f"{short(rate, 6)} Hz", fontsize=9)
+    for i, count in enumerate(counts):
+        panels[i][0].set_ylabel(f"{count}\nmrad", fontsize=8)
+        panels[i][0].set_ylim(-1.1 * reach[count], 1.1 * reach[count])
+    text = f"time, ms: the last {cycles:g} cycles of the buzz;  grey: at rest, 0.1 s;  angle about its mean"
+    drawn.supxlabel(text, fontsize=8)
+
+
+def _thumbnail(panel: "Axes", trial: Held, cycles: float) -> float:
+    """Draw one; how far its scale must reach, mrad."""
     buzzes = bool(trial.row["sustained"] and trial.row["cycle_hz"])
     shown = trial.last(cycles / trial.row["cycle_hz"] if buzzes else _STILL_S)
     panel.tick_params(labelsize=7)
     panel.locator_params(axis="both", nbins=4)
+    panel.grid(alpha=0.25)
+    least = 1e3 * LEAST_COUNTS * 2.0 * pi / float(trial.row["native_counts"])
     if not shown.any():
-        return
+        return least
     time, angle = 1e3 * trial.time[shown], 1e3 * trial.angle[shown]
-    panel.plot(
-        time - time[0], angle - angle.mean(), linewidth=0.9, color=theme.COLOURS[0] if buzzes else theme.COLOURS[6]
-    )
-    least = 1e3 * LEAST_COUNTS * 2.0 * np.pi / trial.row["native_counts"]
-    low, high = panel.get_ylim()
-    panel.set_ylim(min(low, -least), max(high, least))
+    angle -= angle.mean()
+    panel.plot(time - time[0], angle, linewidth=0.9, color=theme.COLOURS[0] if buzzes else theme.COLOURS[6])
     panel.margins(x=0.0)
+    return max(least, float(np.abs(angle).max()))
 
 
 class Part(NamedTuple):

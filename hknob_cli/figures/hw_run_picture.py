@@ -10,6 +10,7 @@ import numpy as np
 import pyarrow as pa
 
 from hknob_cli.figures import theme
+from hknob_cli.figures.campaign import draw_thumbnails, held_of
 from hknob_cli.figures.grid import axis_name
 from hknob_cli.figures.heat import colour_map
 from hknob_cli.figures.sheet import save
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
 
 Row = dict[str, Any]
 THUMBNAIL_CYCLES = 8
-LEAST_COUNTS = 3  # of the device's own encoder, to either side: less is not drawn larger
 _MOST_THUMBNAILS = 8  # of rows, and of columns
 _MOST_TICKS = 40
 
@@ -47,7 +47,7 @@ def draw_hw_run(
     _maps(parts[0], cells, rates, counts)
     _grips(parts[1], trials, target_n)
     if small:
-        _thumbnails(parts[2], samples, trials, rates, counts)
+        draw_thumbnails(parts[2], held_of(trials, samples, 0.0), cycles=THUMBNAIL_CYCLES)
     buzzing = sum(row["sustained"] for row in trials)
     figure.suptitle(f"{title or name}: trials against a virtual wall, {buzzing} of {len(trials)} with sustained buzz")
     save(figure, path, stage="hw-run", name=name)
@@ -116,54 +116,6 @@ def _grips(figure: "SubFigure", trials: list[Row], target_n: float) -> None:
     ax.set_xlabel("trial, in the order they were run")
     ax.grid(alpha=0.3)
     ax.legend(fontsize=8, loc="lower right", ncols=2)
-
-
-def _thumbnails(
-    figure: "SubFigure", samples: pa.Table, trials: list[Row], rates: list[float], counts: list[int]
-) -> None:
-    """The end of the steady part of each cell's first trial: some cycles on one scale of angle in a row (Fig. 54)."""
-    import numpy as np
-
-    first = {}
-    for row in reversed(trials):
-        first[row[COUNTS], row[RATE]] = row
-    ends = np.flatnonzero(np.diff(samples["trial"].to_numpy(), append=-1) != 0) + 1
-    starts = np.concatenate([[0], ends[:-1]])
-    places = {
-        int(samples["trial"][int(start)].as_py()): (int(start), int(end))
-        for start, end in zip(starts, ends, strict=True)
-    }
-    axes = figure.subplots(len(counts), len(rates), sharey="row", squeeze=False)
-    for i, count in enumerate(counts):
-        reach = 0.0
-        for j, rate in enumerate(rates):
-            ax, row = axes[i][j], first[count, rate]
-            start, end = places[row["order"]]
-            reach = max(reach, _thumbnail(ax, samples.slice(start, end - start), row))
-            if i == 0:
-                ax.set_title(f"{rate:g} Hz", fontsize=9)
-        axes[i][0].set_ylabel(f"{count}\nmrad", fontsize=8)
-        axes[i][0].set_ylim(-1.1 * reach, 1.1 * reach)
-    figure.supxlabel(f"time, ms: {THUMBNAIL_CYCLES} cycles, or the last 0.1 s; angle about its mean", fontsize=8)
-
-
-def _thumbnail(ax: "Axes", samples: pa.Table, row: Row) -> float:
-    """Draw one; how far its scale must reach, mrad."""
-    import numpy as np
-
-    running = samples["running"].to_numpy(zero_copy_only=False)
-    time_s, angle = samples["time_s"].to_numpy()[running], samples["angle_rad"].to_numpy()[running]
-    ax.tick_params(labelsize=7)
-    ax.grid(alpha=0.2)
-    least = float(1e3 * LEAST_COUNTS * 2.0 * np.pi / row["native_counts"])
-    if not time_s.size:
-        return least
-    long = THUMBNAIL_CYCLES / row["frequency_hz"] if row["sustained"] and row["frequency_hz"] else 0.1
-    end = float(samples["time_s"][row["steady_last"]].as_py())
-    shown = (time_s >= end - long) & (time_s <= end)
-    values = 1e3 * (angle[shown] - angle[shown].mean()) if shown.any() else np.empty(0)
-    ax.plot(1e3 * (time_s[shown] - (end - long)), values, linewidth=0.8, color="C0" if row["sustained"] else "0.5")
-    return float(max(least, np.abs(values).max(initial=0.0)))
 
 
 def draw_timing(samples: pa.Table, trials: list[Row], *, name: str, path: Path) -> None:
