@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 MOST = 600  # designs drawn, which each take room in the file
 
 Row = dict[str, Any]
-MARKS = "osD^vPX<>"
 
 
 class _Heights(NamedTuple):
@@ -59,15 +58,7 @@ def design_costs(evidence: ResultSet, of: str) -> "Figure":
     panel = figure.subplots()
     heights = _heights(rows, 0.09)
     height = heights.of
-    for i, name in enumerate(dict.fromkeys(row["remedy"] for row in rows)):
-        for feasible in (False, True):
-            mine = [row for row in shown if row["remedy"] == name and row["feasible"] == feasible]
-            style = theme.points(i) | ({} if feasible else {"markerfacecolor": "none"})
-            panel.plot([row["cost"] for row in mine], [height(row) for row in mine], markersize=5.0, **style)
-        panel.plot([], [], label=name, **theme.points(i))
-    front = sorted((row for row in rows if row["front"]), key=lambda row: float(row["cost"]))
-    panel.step([row["cost"] for row in front], [height(row) for row in front], where="post", color="black",
-               linewidth=0.8, alpha=0.6, zorder=0)  # fmt: skip
+    _mark_designs(panel, rows, shown, heights)
     for flag, marker, size, text in (("present", "s", 13.0, "the present design"), ("chosen", "*", 17.0, "the answer")):
         for row in (row for row in rows if row[flag]):
             panel.plot([row["cost"]], [height(row)], marker=marker, markersize=size, fillstyle="none", color="black",
@@ -129,7 +120,7 @@ def draw_design(plan: DesignPlan, rows: list[Row], *, path: Path) -> None:
 
 def _scatter(axes: "Axes", plan: DesignPlan, rows: list[Row]) -> None:
     heights = _heights(rows, 0.08)
-    _mark_designs(axes, rows, heights)
+    _mark_designs(axes, rows, rows, heights)
     for flag in ("present", "chosen"):
         if row := flagged(rows, flag):
             _mark_one(axes, plan, row, heights.of(row), flag)
@@ -152,25 +143,17 @@ def _scatter(axes: "Axes", plan: DesignPlan, rows: list[Row]) -> None:
     axes.legend(loc="best", fontsize=8, frameon=True)
 
 
-def _mark_designs(axes: "Axes", rows: Rows, heights: _Heights) -> None:
-    """A marker a remedy, filled where every limit is met, and the line of the front."""
+def _mark_designs(axes: "Axes", rows: Rows, shown: Rows, heights: _Heights) -> None:
+    """A marker a remedy for those ``shown``, filled where every limit is met, and the line of the front."""
     for i, name in enumerate(dict.fromkeys(row["remedy"] for row in rows)):
-        marker, colour = MARKS[i % len(MARKS)], f"C{i}"
-        for good in (False, True):
-            mine = [row for row in rows if row["remedy"] == name and row["feasible"] == good]
-            axes.scatter(
-                [row["cost"] for row in mine],
-                [heights.of(row) for row in mine],
-                marker=marker,
-                s=34,
-                edgecolors=colour,
-                facecolors=colour if good else "none",
-                linewidths=0.9,
-                alpha=0.85,
-            )
-        axes.scatter([], [], marker=marker, color=colour, label=name)
+        for feasible in (False, True):
+            mine = [row for row in shown if row["remedy"] == name and row["feasible"] == feasible]
+            style = theme.points(i) | ({} if feasible else {"markerfacecolor": "none"})
+            axes.plot([row["cost"] for row in mine], [heights.of(row) for row in mine], markersize=5.0, **style)
+        axes.plot([], [], label=name, **theme.points(i))
     front = sorted((row for row in rows if row["front"]), key=lambda row: float(row["cost"]))
-    axes.step([row["cost"] for row in front], [heights.of(row) for row in front], where="post", color="0.4", zorder=0)
+    axes.step([row["cost"] for row in front], [heights.of(row) for row in front], where="post", color="black",
+              linewidth=0.8, alpha=0.6, zorder=0)  # fmt: skip
 
 
 def _mark_one(axes: "Axes", plan: DesignPlan, row: Row, height: float, flag: str) -> None:

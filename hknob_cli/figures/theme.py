@@ -181,8 +181,9 @@ def series(index: int) -> dict[str, Any]:
 
 
 def points(index: int) -> dict[str, Any]:
-    """Colour and marker of the nth series of points."""
-    return {"color": COLOURS[index % len(COLOURS)], "marker": MARKERS[index % len(MARKERS)], "linestyle": "none"}
+    """Colour and marker of the nth series of points; where colours begin again, with other markers."""
+    marker = MARKERS[(index + index // len(COLOURS)) % len(MARKERS)]
+    return {"color": COLOURS[index % len(COLOURS)], "marker": marker, "linestyle": "none"}
 
 
 def svg(drawn: "Figure", *, name: str, title: str, mark: str = "") -> str:

@@ -239,9 +239,14 @@ def test_a_drawing_is_the_same_twice(evidence: ResultSet, case: Any) -> None:
 
 
 def test_every_drawing_of_grids_is_tried() -> None:
-    ours = {"bench", "difference", "laws", "lines", "maps", "orbits", "schematic", "senses", "stability"}
-    ours |= {"what_matters"}
-    elsewhere = {"schematic", "torque_reach", "what_explains"}  # tests of motion, of campaigns
+    ours = {"bench", "difference", "lines", "maps", "orbits", "schematic", "senses", "theory", "what_matters"}
+    elsewhere = {
+        "schematic",
+        "torque_reach",
+        "what_explains",
+        "phase_plane",
+        "cycle_spectra",
+    }  # of motion, of campaigns
     elsewhere |= {"axis_lines", "equal_loudness", "touch_thresholds"}  # of plots, of remedies
     drawings = {name for name, module in MODULES.items() if module in ours}
     assert drawings - elsewhere == {case[0] for case in CASES}

@@ -105,8 +105,8 @@ def test_found_in_the_package_first_then_in_the_repository(tmp_path: Path) -> No
 
 def test_a_wheel_has_them_where_the_package_looks() -> None:
     wheel = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["hatch"]["build"]["targets"]["wheel"]
-    assert wheel["force-include"]["data/printed"] == "hknob_cli/printed/data"
-    assert FOLDERS[0] == ROOT / "hknob_cli" / "printed" / "data"
+    assert wheel["force-include"]["data/printed"] == "hknob_cli/data/printed"
+    assert FOLDERS[0] == ROOT / "hknob_cli" / "data" / "printed"
 
 
 def test_faults_say_which_table(tmp_path: Path) -> None:
