@@ -21,8 +21,9 @@ import numpy as np
 from hknob_cli.engine.general.torque_table import HEAD, command_at
 from hknob_cli.hardware.port import Array, Control, Flags, OverAngle, Pulse, PulseOrder, Settings
 from hknob_cli.hardware.wire.codes import Law
-from hknob_cli.specs.campaign import Effects, Model
+from hknob_cli.specs.campaign import Model
 from hknob_cli.specs.controller import Controller
+from hknob_cli.specs.over_angle import Effects
 
 
 def over_angle_of(effects: Effects, settings: Settings) -> OverAngle:

@@ -7,7 +7,7 @@ from hknob_cli.errors import Fault
 from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.drive import Driven, driven_of
 from hknob_cli.specs.motor import EddyBrake, Motor
-from hknob_cli.specs.over_angle import DeadZone, Detents, EndStops, Profile
+from hknob_cli.specs.over_angle import Effects
 from hknob_cli.specs.parts import Actuator, Encoder
 from hknob_cli.specs.quantity import (
     AngleNoise,
@@ -151,15 +151,6 @@ class Nuisance(NamedTuple):
     amplifier: Annotated[TimeNoise, "time constant of the amplifier's lag"] = 0.0
     jitter: Annotated[TimeNoise, "rms of the sample clock"] = 0.0
     overruns: Annotated[Share, "share of the samples that come too late"] = 0.0
-
-
-class Effects(NamedTuple):
-    """Torques over the measured angle, beside the wall; at least one of them is there."""
-
-    profile: Profile | None = None
-    detents: Detents | None = None
-    end_stops: EndStops | None = None
-    dead_zone: DeadZone | None = None
 
 
 class Tried(NamedTuple):

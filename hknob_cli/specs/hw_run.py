@@ -14,7 +14,6 @@ from hknob_cli.specs.campaign import (
     VIRTUAL,
     Course,
     Device,
-    Effects,
     Grip,
     HwRunPlan,
     Knob,
@@ -31,7 +30,7 @@ from hknob_cli.specs.controller import MODELLED, Controller
 from hknob_cli.specs.drive import driven_faults, limited
 from hknob_cli.specs.grid import AxisError, AxisSpec, axis_values
 from hknob_cli.specs.motor import EddyBrake, Motor
-from hknob_cli.specs.over_angle import OVER_ANGLE, DeadZone, Detents, EndStops, Profile
+from hknob_cli.specs.over_angle import OVER_ANGLE, DeadZone, Detents, Effects, EndStops, Profile
 from hknob_cli.specs.part import Part, Place
 from hknob_cli.specs.parts import Actuator, Encoder
 from hknob_cli.specs.plan import COUNTS, RATE, Axes

@@ -9,8 +9,6 @@ from typing import Annotated, Literal, NamedTuple
 
 from hknob_cli.specs.quantity import Angle, Bounds, PositiveAngle, SignedTorque, Stiffness, Torque, Width, declared
 
-OVER_ANGLE = ("profile", "detents", "end_stops", "dead_zone")  # the keys of a scene
-
 MOST_TIMES = 10**9  # that a pattern goes into a revolution
 _Number = Annotated[int, Bounds(strict=True, ge=1, le=MOST_TIMES)]
 
@@ -116,3 +114,15 @@ class DeadZone(NamedTuple):
     stiffness: Annotated[Stiffness, "of the spring outside of it, on both sides"]
     centre: Annotated[Angle, "middle of the zone"] = 0.0
     torque: Annotated[Torque | None, "largest torque of the spring; null: no limit"] = None
+
+
+class Effects(NamedTuple):
+    """Torques over the measured angle, beside the wall; at least one of them is there."""
+
+    profile: Profile | None = None
+    detents: Detents | None = None
+    end_stops: EndStops | None = None
+    dead_zone: DeadZone | None = None
+
+
+OVER_ANGLE = Effects._fields  # the keys of a scene

@@ -24,8 +24,7 @@ from hknob_cli.hardware.wire.answers import BLOCK, LOOKS, _unpack_block
 from hknob_cli.hardware.wire.codes import HAND as HAND_OF_WIRE
 from hknob_cli.hardware.wire.codes import MOST_HANDS, MOST_SINES, SINE, SQUEEZE, Kind, unpack_squeeze
 from hknob_cli.hardware.wire.messages import Decoder, Unread, frame, is_message, nobody_text
-from hknob_cli.specs.campaign import Effects
-from hknob_cli.specs.over_angle import EndStops
+from hknob_cli.specs.over_angle import Effects, EndStops
 from hknob_cli.specs.parts import Actuator
 from hknob_cli.specs.pulses import Pulses, Window
 from tests.hardware.campaigns import SPEC, planned

@@ -26,8 +26,7 @@ from hknob_cli.hardware.wire.answers import Ack, Event
 from hknob_cli.hardware.wire.codes import Kind, Status, Trip
 from hknob_cli.hardware.wire.commands import Configure, Plain
 from hknob_cli.hardware.wire.messages import Decoder, Message, decode, encode, frame
-from hknob_cli.specs.campaign import Effects
-from hknob_cli.specs.over_angle import Detents, EndStops
+from hknob_cli.specs.over_angle import Detents, Effects, EndStops
 from hknob_cli.specs.parts import Actuator, Encoder
 from tests.conftest import ROOT
 from tests.hardware.controllers import CONTROLLERS, MODEL, told

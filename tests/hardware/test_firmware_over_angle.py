@@ -17,8 +17,7 @@ from hknob_cli.hardware.virtual import IDENTITY
 from hknob_cli.hardware.wire.codes import MOST_TORQUES, Kind, Piece, State, Status, pieces_of
 from hknob_cli.hardware.wire.commands import Alive, Configure, SetAct
 from hknob_cli.scene.general_knob import sample_general
-from hknob_cli.specs.campaign import Effects
-from hknob_cli.specs.over_angle import DeadZone, Detents, EndStops, Profile
+from hknob_cli.specs.over_angle import DeadZone, Detents, Effects, EndStops, Profile
 from hknob_cli.specs.plan import Knob, Scene, Wall
 from tests.hardware.fake_target import PtyTarget
 from tests.hardware.firmware import COverAngle, CPiece, CTable, ScriptedTarget, library, samples_of

@@ -39,7 +39,8 @@ from hknob_cli.hardware.trial_wall import NONE, ROUNDINGS, Conversion, PlainWall
 from hknob_cli.hardware.virtual import IDENTITY, VirtualDevice, VirtualLoop
 from hknob_cli.recordings.spectrum import torque_rises_hz
 from hknob_cli.results.campaign_files import TRIED, TRUTH
-from hknob_cli.specs.campaign import Course, Effects, Knob
+from hknob_cli.specs.campaign import Course, Knob
+from hknob_cli.specs.over_angle import Effects
 from hknob_cli.specs.plan import EndStops
 from tests.hardware import campaigns, pulses
 from tests.hardware.controllers import told
