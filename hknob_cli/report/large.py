@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.compute as pc
 
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.report.sweep_words import Reason, Undecided, undecided_text
@@ -185,6 +184,8 @@ def describe_large(
 
 def _undecided(orbits: Parted, trials: int) -> list[Reason]:
     """Why trials are undecided."""
+    import pyarrow.compute as pc
+
     counted = Undecided(trials)
     for part in orbits.tables(["outcome", "reason", "basin_fraction"]):
         some = part.filter(pc.equal(part["outcome"], "undecided"))

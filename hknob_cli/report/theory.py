@@ -8,15 +8,15 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import product
 from math import pi
-from typing import Any
-
-import pyarrow as pa
+from typing import TYPE_CHECKING, Any
 
 from hknob_cli.report.table import MAX_ROWS, fits, matrix, short, table
-from hknob_cli.report.verdicts import expected
 from hknob_cli.specs.plan import GRIP, PERSON, RATE, Actuator, Axes, Cell, Scene, placed, scene_at
 from hknob_cli.theory.laws import working_edge
 from hknob_cli.theory.passivity import needed_damping
+
+if TYPE_CHECKING:
+    import pyarrow as pa
 
 Row = Mapping[str, Any]
 LIMITS = {
@@ -148,7 +148,7 @@ def overlap_text(summary: dict[str, Any]) -> list[str]:
     return [f"{found['with_partner']} of {found['cells']} cells are in the sweep, too; only these are compared with it"]
 
 
-def describe_dfa(table: pa.Table, *, axes: list[str], statistics: dict[str, Any] | None) -> dict[str, Any]:
+def describe_dfa(table: "pa.Table", *, axes: list[str], statistics: dict[str, Any] | None) -> dict[str, Any]:
     """Summary as plain data; ``statistics`` by method where there is a sweep to compare with."""
     rows = table.to_pylist()
     return {
@@ -161,6 +161,8 @@ def describe_dfa(table: pa.Table, *, axes: list[str], statistics: dict[str, Any]
 
 def dfa_text(summary: dict[str, Any]) -> str:
     """Matrices of each method over two axes, or a list; marks say what is out of domain or ambiguous."""
+    from hknob_cli.report.verdicts import expected
+
     rows = summary["rows"]
     wide = [axis for axis, values in summary["axes"].items() if len(values) > 1]
     fixed = [f"{axis} = {short(values[0])}" for axis, values in summary["axes"].items() if axis not in wide]

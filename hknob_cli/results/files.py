@@ -12,7 +12,6 @@ import errno
 import hashlib
 import os
 import re
-import shutil
 import zlib
 from pathlib import Path
 from struct import Struct
@@ -151,6 +150,8 @@ class Staging:
         Raises `RefusedError` if something else is in the way.
         """
         if afresh and self.folder in staged(self.folder.parent):
+            import shutil
+
             shutil.rmtree(self.folder)
         make_folder(self.folder)
         for half in self.folder.glob("*.half"):
@@ -241,4 +242,6 @@ def kind_of(folder: Path) -> str:
 def clear_staged(out: Path) -> None:
     """Remove what unfinished runs have left in ``out``."""
     for path in staged(out):
+        import shutil
+
         shutil.rmtree(path, ignore_errors=True)

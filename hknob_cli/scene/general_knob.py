@@ -13,12 +13,7 @@ from numpy.typing import NDArray
 
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller, read
-from hknob_cli.engine.general.ensemble import begin
-from hknob_cli.engine.general.interval import begin_clock, jitters, next_span
-from hknob_cli.engine.general.search import as_compiled, as_list
 from hknob_cli.engine.general.torque_table import HEAD, RISE_BELOW, TURN
-from hknob_cli.engine.general.trace import Rows, run
-from hknob_cli.engine.jit import compiled as compiled_functions
 from hknob_cli.errors import ComputationError
 from hknob_cli.scene.general_body import make_body, turns_of
 from hknob_cli.scene.torque_over_angle import Clock, curve_of, is_shaped, table_of
@@ -230,6 +225,12 @@ def follow_knob(
     ``compiled``: by the compiled engine, to the same last bit. ``look`` is called whenever the trial has become twice
     as long, and may end it by raising.
     """
+    from hknob_cli.engine.general.ensemble import begin
+    from hknob_cli.engine.general.interval import begin_clock, jitters, next_span
+    from hknob_cli.engine.general.search import as_compiled, as_list
+    from hknob_cli.engine.general.trace import Rows, run
+    from hknob_cli.engine.jit import compiled as compiled_functions
+
     functions = compiled_functions("general") if compiled else None
     order, delay = knob.body.order, knob.delay_line
     body, wall = as_compiled(knob.body, knob.wall) if compiled else (knob.body, as_list(knob.wall))

@@ -13,13 +13,12 @@ times become periods of the knob against the wall, over 2 pi.
 import random
 from collections.abc import Mapping
 from math import isfinite, pi, sqrt
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hknob_cli.engine.loop import Loop, make_loop
-from hknob_cli.engine.unsampled.state_machine import Unsampled
 from hknob_cli.errors import ComputationError
 from hknob_cli.specs.plan import (
     COUNTS,
@@ -37,6 +36,9 @@ from hknob_cli.specs.plan import (
     scene_at,
 )
 from hknob_cli.specs.squeeze import squeezed
+
+if TYPE_CHECKING:
+    from hknob_cli.engine.unsampled.state_machine import Unsampled
 
 
 def random_starts(starts: Starts) -> list[tuple[float, float]]:
@@ -201,7 +203,7 @@ class UnsampledKnob(NamedTuple):
     ``inertia_kg_m2``: of hand and knob; ``shift``: angle in units = x + shift.
     """
 
-    loop: Unsampled
+    loop: "Unsampled"
     unit_rad: float
     unit_s: float
     inertia_kg_m2: float
@@ -235,6 +237,8 @@ def reduce_unsampled(scene: Scene, *, counts_per_rev: int | None) -> UnsampledKn
 
     Raises `ComputationError` if counts are missing, or if the numbers overflow.
     """
+    from hknob_cli.engine.unsampled.state_machine import Unsampled
+
     hand = scene.hand or Hand()
     bias = scene.bias or Bias(torque=0.0)
     if counts_per_rev is None and (scene.encoder or bias.half_quantum):

@@ -5,7 +5,6 @@ read again. Paths in such a spec begin at the working folder.
 """
 
 import contextlib
-import hashlib
 import os
 import stat
 import sys
@@ -89,6 +88,8 @@ def read_named(path: Path) -> bytes:
 
 def digest_of(path: Path) -> str:
     """SHA-256 of a file. Raises as `open_named`."""
+    import hashlib
+
     with open_named(path) as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 

@@ -9,9 +9,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
-from hknob_cli.engine.sets.search import SetEngine
 from hknob_cli.results.arrays import join_columns, spell
 from hknob_cli.results.columns import ANYWHERE, BASINS, EVERY_START, ONE_START, Column, axis_column
 from hknob_cli.scene.plain_knob import sample_knob
@@ -61,6 +59,9 @@ def map_basins(plan: SweepPlan, progress: Callable[[int, int], None] = lambda _d
     """
     assert plan.basins
     assert plan.starts.span
+    from hknob_cli.engine.jit import compiled
+    from hknob_cli.engine.sets.search import SetEngine
+
     functions = compiled("sets")
     finder, engine = CellFinder({"sets": functions}), SetEngine(functions)
     low, high, slowest, fastest = plan.starts.span
