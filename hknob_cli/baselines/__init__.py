@@ -1,7 +1,7 @@
 """Other ways to the same motion: SciPy, fixed steps, MuJoCo, and 60 digits. They share no formula with the engine.
 
 - `model` the plant and its controller, which share no formula with the engine, and a trial from sample to sample
-- `scipy_methods`, `fixed_step`, `mujoco_hinge`
+- `programs` SciPy and MuJoCo, `fixed_step`
 - `digits60` the reference
 - `stages/bench/timed.py` has them by name
 

@@ -105,7 +105,7 @@ def test_a_missing_reference_is_named(hknob, spec_file, tmp_path: Path) -> None:
 
 
 def test_without_mujoco_its_methods_are_left_out(monkeypatch, spec_file) -> None:
-    monkeypatch.setattr("hknob_cli.baselines.mujoco_hinge.available", lambda: False)
+    monkeypatch.setattr("hknob_cli.baselines.programs.available", lambda: False)
     plan = load(spec_file(TINY.replace("[exact, rk23, euler]", "[exact, mujoco_rk4]")))
     said: list[str] = []
     stage = BenchStage(plan, notify=said.append)

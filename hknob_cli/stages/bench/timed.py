@@ -13,10 +13,9 @@ from hknob_cli.baselines import digits60
 from hknob_cli.baselines.fixed_step import METHODS as FIXED
 from hknob_cli.baselines.fixed_step import FixedStep
 from hknob_cli.baselines.model import PHASE, Controller, Deadline, LostError, Motion, TooSlowError, follow
-from hknob_cli.baselines.mujoco_hinge import INTEGRATORS as MUJOCO
-from hknob_cli.baselines.mujoco_hinge import MujocoHinge
-from hknob_cli.baselines.scipy_methods import CLASSES as SCIPY
-from hknob_cli.baselines.scipy_methods import ScipyIntegrator
+from hknob_cli.baselines.programs import CLASSES as SCIPY
+from hknob_cli.baselines.programs import INTEGRATORS as MUJOCO
+from hknob_cli.baselines.programs import MujocoHinge, ScipyIntegrator
 from hknob_cli.engine.jit import compiled as compiled_functions
 from hknob_cli.errors import ComputationError, HknobError
 from hknob_cli.measure.unsampled import events

@@ -34,7 +34,7 @@ from typing import Any, NamedTuple
 
 import pyarrow as pa
 
-from hknob_cli.baselines import mujoco_hinge
+from hknob_cli.baselines import programs
 from hknob_cli.baselines.model import Controller
 from hknob_cli.errors import ComputationError
 from hknob_cli.report.bench import bench_text, describe_bench
@@ -154,9 +154,9 @@ class BenchStage:
         self.plan = plan
         self.jobs = jobs or (len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1)
         methods = plan.methods
-        if not mujoco_hinge.available() and any(method in mujoco_hinge.INTEGRATORS for method in methods):
+        if not programs.available() and any(method in programs.INTEGRATORS for method in methods):
             notify("mujoco is not installed; its methods are left out (pip install mujoco)")
-            methods = tuple(method for method in methods if method not in mujoco_hinge.INTEGRATORS)
+            methods = tuple(method for method in methods if method not in programs.INTEGRATORS)
         self.entries = [
             Entry(trial, method, setting)
             for trial in plan.scenes
