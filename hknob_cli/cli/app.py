@@ -13,7 +13,7 @@ from typer.core import TyperGroup
 from hknob_cli import __version__
 from hknob_cli.cli.check import check, explain, schema, verify
 from hknob_cli.cli.explore import explore
-from hknob_cli.cli.main import submit
+from hknob_cli.cli.handover import submit
 from hknob_cli.cli.new import new
 from hknob_cli.cli.options import (
     DryRun,

@@ -57,6 +57,8 @@ class Held:
 
     def last(self, span_s: float) -> np.ndarray:
         """Which samples are the last ``span_s`` of the steady part; of a trial without one, of all."""
+        if not self.time.size:  # the wall was never on
+            return self.steady
         end = float(self.time[self.steady][-1]) if self.steady.any() else float(self.time[-1])
         kept: np.ndarray = (self.time >= end - span_s) & (self.time <= end)
         return kept

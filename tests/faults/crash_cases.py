@@ -131,6 +131,7 @@ def hear_results(told: Told) -> None:
 def hear_cells(told: Told) -> None:
     """Cells of a sweep, and from whom they come."""
     shrink()
+    from hknob_cli.spread import gather as gathering
     from hknob_cli.stages.sweep import assembly
     from hknob_cli.stages.sweep.assembly import Assembly
 
@@ -142,13 +143,13 @@ def hear_cells(told: Told) -> None:
         return lambda _found: [told.done(cell) for cell in cells]  # type: ignore[func-returns-value,return-value]
 
     hear(Assembly, "take", take)
-    plain = assembly.gather
+    plain = gathering.gather
 
     def gather(crew: Crew, *args: Any, **kwargs: Any) -> None:
         with at_work(crew):
             plain(crew, *args, **kwargs)
 
-    assembly.gather = gather  # type: ignore[assignment]
+    gathering.gather = gather  # type: ignore[assignment]
     found: dict[tuple[bytes, int, int], bytes] = {}  # what a piece is does not depend on the disk
 
     def workers(_job: Any, _stage: Any, finder: Any, _notify: Any) -> Crew:

@@ -32,11 +32,11 @@ def shrink(part: int = PART, most: int = MOST) -> None:
 if __name__ == "__main__":
     signals = {signal.SIGINT, signal.SIGTERM}
     signal.pthread_sigmask(signal.SIG_BLOCK, signals)  # until the program has begun to heed them
-    from hknob_cli.cli import main
+    from hknob_cli.cli import handover, main
 
     shrink()
     code = sys.argv.pop(1)
     exec(code)
-    if not main.pays(sys.argv[1:]):
+    if not handover.pays(sys.argv[1:]):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, signals)
     main.main()

@@ -31,7 +31,7 @@ main()
 
 
 @pytest.mark.parametrize("kind", ["SIGINT", "SIGTERM"])
-@pytest.mark.parametrize("at", ["hknob_cli.cli.main", "typer", "hknob_cli.cli.app", "hknob_cli.specs.load"])
+@pytest.mark.parametrize("at", ["hknob_cli.cli.handover", "typer", "hknob_cli.cli.app", "hknob_cli.specs.load"])
 def test_a_signal_while_the_command_is_loaded(kind: str, at: str, spec_file) -> None:
     code = AT.format(at=at, kind=kind, arguments=["check", str(spec_file())])
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)

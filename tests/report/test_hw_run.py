@@ -107,8 +107,17 @@ def test_a_cell_that_did_not_buzz_says_what_it_was(ends: str, said: str) -> None
 
 def test_a_trial_in_which_the_wall_was_never_on_is_drawn(tmp_path: Path) -> None:
     """Without a motion to show, and without a complaint of Matplotlib's, which would be an error here."""
-    more = {"order": 1, "native_counts": 512, "grip_std_n": 0.1, "steady_first": 0, "steady_last": 1, "ended": "rest"}
+    more = {
+        "order": 1,
+        "native_counts": 512,
+        "grip_std_n": 0.1,
+        "steady_first": 0,
+        "steady_last": 1,
+        "ended": "rest",
+        "block": 1,
+    }
     row = trial(256, 1000, sustained=False, **{"p2p_rad": 0.0, "frequency_hz": 0.0, **more})
-    samples = pa.table({"trial": [1, 1], "time_s": [0.0, 1e-3], "angle_rad": [0.0, 0.0], "running": [False, False]})
+    numbers = {key: [0.0, 0.0] for key in ("angle_rad", "torque_nm", "grip_n")}
+    samples = pa.table({"trial": [1, 1], "time_s": [0.0, 1e-3], **numbers, "running": [False, False]})
     draw_hw_run(samples, [row], target_n=0.72, name="still", path=tmp_path / "a.png")
     assert (tmp_path / "a.png").stat().st_size > 1000
