@@ -17,7 +17,7 @@ from hknob_cli.specs.unit_points import RANDOM, Points
 
 ROOT = Path(__file__).parent.parent
 COMPUTING = (
-    "printed",
+    "printed.py",
     "specs",
     "scene",
     "engine",
