@@ -16,11 +16,15 @@ from hknob_cli.specs.quantity import (
 
 
 class Kind(NamedTuple):
-    """``law``: module and class in `controllers`; ``keys``: numbers that it has; ``needs``: those without a default."""
+    """``law``: module and class in `controllers`; ``keys``: numbers that it has; ``needs``: those without a default.
+
+    ``on_devices``: whether the wire has its law (`hardware.wire.codes.Law`), and so devices run it.
+    """
 
     law: str
     keys: tuple[str, ...]
     needs: tuple[str, ...] = ()
+    on_devices: bool = True
 
 
 KINDS = {

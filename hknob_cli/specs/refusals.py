@@ -196,6 +196,9 @@ def device_refusals(acting: Any, *, driver: str) -> Faults:
         if part in there and path.startswith(_OF_A_DEVICE) and VERDICTS[part, "device"] == REFUSED:
             text = f"must be one that a device can run: this is {title}, and {reason(part, 'device')}"
             found.append((("scene", *path.split(".")), text))
+    if acting.controller is not None and not KINDS[acting.controller.kind].on_devices:
+        text = f"must be one that a device can run: none has the law of {acting.controller.kind}"
+        found.append((("scene", "controller", "kind"), text))
     if "speed_sensor" in there and driver != VIRTUAL:
         text = "must not be sensor unless the driver is virtual: no target has a sensor of the speed, and records none"
         found.append((("scene", "controller", "velocity"), text))

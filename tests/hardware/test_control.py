@@ -16,7 +16,7 @@ from hknob_cli.hardware.replay import RecordedTrial, is_of_wall
 from hknob_cli.hardware.safety import LimitMonitor
 from hknob_cli.hardware.virtual import IDENTITY, VirtualDevice
 from hknob_cli.hardware.wire.codes import ALL_LAWS, Law
-from hknob_cli.specs.controller import Controller
+from hknob_cli.specs.controller import KINDS, Controller
 from hknob_cli.specs.plan import Encoder, Hand, Knob, Scene, Wall
 from tests.hardware.controllers import CONTROLLERS, MODEL, READING, told
 from tests.hardware.trials import ALIGNED, HAND, part_of, settings, virtual_trial
@@ -39,6 +39,17 @@ def test_the_numbers_are_those_of_a_sweep(name: str) -> None:
     ends = np.cumsum(list(law.sched[::PIECE]))
     pieces = sorted({*begins_of(control), *looks_of(control)})  # a torque or a reading begins each
     assert [0.0, *ends[:-1]] == pytest.approx(pieces, rel=1e-14)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_kind_that_specs_let_run_on_devices_has_a_law_on_the_wire(kind: str) -> None:
+    """One that the wire lacks has ``on_devices=False`` in `specs.controller.KINDS`."""
+    controller = Controller(kind, damping=1e-5)
+    if KINDS[kind].on_devices:
+        assert control_of(controller, settings(), MODEL).law in {*Law}
+    else:
+        with pytest.raises(ValueError, match="no target runs"):
+            control_of(controller, settings(), MODEL)
 
 
 SENSED = [Controller(kind, velocity="sensor") for kind in ("half_sample", "matched_wall")]

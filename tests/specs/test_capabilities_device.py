@@ -10,6 +10,7 @@ from hknob_cli.specs.capabilities import (
     VERDICTS,
     WHY,
 )
+from hknob_cli.specs.controller import KINDS
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.source import Source
@@ -64,6 +65,19 @@ def test_what_only_the_virtual_device_reads_is_refused_by_others(
     with pytest.raises(SpecError) as error:
         validate(source)
     assert any(said.partition(": ")[2] in one.message for one in error.value.faults)
+
+
+def test_a_controller_that_no_device_has_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(KINDS, "stiffening", KINDS["stiffening"]._replace(on_devices=False))
+    source = Source("spec.yaml")
+    source.value = {"kind": "hw-run", "name": "small", "controller": {"kind": "stiffening"}}
+    with pytest.raises(SpecError) as error:
+        validate(source)
+    (fault,) = error.value.faults
+    assert (fault.key, fault.message) == (
+        "controller.kind",
+        "must be one that a device can run: none has the law of stiffening",
+    )
 
 
 @pytest.mark.parametrize("detections", [4, 64])
