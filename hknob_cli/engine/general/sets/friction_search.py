@@ -46,9 +46,9 @@ class FrictionSetEngine(GeneralSetEngine):
         follow = self._function(friction_box, "follow_friction")
         return lambda room, *rest: follow(room, work, *rest)
 
-    def sampler(self, wall: Controller) -> Callable[..., Any]:
-        """As that of `GeneralSetEngine`; behind hysteresis trials are followed, which friction may stop."""
-        return self._function(box, "sample_box" if wall.hysteresis == 0.0 else "sample_trials")
+    def sampler(self, _wall: Controller) -> Callable[..., Any]:
+        """As that of `GeneralSetEngine`: trials are followed, which friction may stop."""
+        return self._function(box, "sample_trials")
 
     def drift(self, body: Body, wall: Controller) -> Drift:
         """As that of `GeneralSetEngine`."""

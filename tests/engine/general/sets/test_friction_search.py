@@ -7,6 +7,7 @@ import pytest
 
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.interval import advance
+from hknob_cli.engine.general.sets import box
 from hknob_cli.engine.general.sets.friction_phases import fly
 from hknob_cli.engine.general.sets.friction_rest import resting_piece
 from hknob_cli.engine.general.sets.friction_room import can_rub, plane_of
@@ -138,3 +139,8 @@ def test_what_is_said_to_rest_comes_to_rest_in_that_reading(seed: int) -> None:
             assert abs(z[1]) < 1e-9
             assert read(z[0], one.wall) in readings
     assert captured
+
+
+def test_random_starts_of_ranges_rub() -> None:
+    """Trials, not motions of a ball, which nothing rubs."""
+    assert FrictionSetEngine().sampler(knob().wall) is box.sample_trials
