@@ -20,6 +20,7 @@ COMPILING_S = {
     "general sets": 20.0,
     "friction sets": 28.0,
     "friction arcs": 25.0,
+    "cogging sets": 35.0,
     "unsampled": 5.0,
     "pulse": 2.0,
 }

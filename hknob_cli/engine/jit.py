@@ -105,6 +105,14 @@ FRICTION_SETS = (
     *(f"general.sets.{name}" for name in ("friction_set", "friction_turns", "friction_piece", "friction_rest")),
     *(f"general.sets.{name}" for name in ("friction_box", "friction_phases")),
 )
+COGGING_SETS = (
+    *GENERAL_SETS,
+    *(f"general.sets.{name}" for name in ("convex", "friction_step", "lagged_stops", "lagged_step")),
+    *(f"general.sets.{name}" for name in ("friction_set", "friction_turns", "friction_piece", "friction_rest")),
+    "general.sets.friction_box",
+    *(f"general.sets.{name}" for name in ("friction_arc", "cog_stop", "cog_arc", "friction_arc_rest")),
+    *(f"general.sets.{name}" for name in ("cog_fold", "cog_piece", "cog_box")),
+)
 UNSAMPLED = (
     "propagator",
     "loop",
@@ -128,6 +136,7 @@ GROUPS = {
     "general sets": (GENERAL_SETS, ("box.follow_generation", "arc.follow_arcs")),
     "friction sets": (FRICTION_SETS, ("friction_box.follow_friction", "friction_phases.follow_phases")),
     "friction arcs": (FRICTION_ARCS, ("friction_arcs.follow_friction_arcs",)),
+    "cogging sets": (COGGING_SETS, ("cog_box.follow_cogged",)),
     "pulse": (PULSE, ("pulse.follow_linear",)),
 }
 

@@ -77,6 +77,7 @@ COLUMNS = {
     "friction_sets": Column("sets: friction, controllers", _SETS, group="friction sets"),
     "law_sets": Column("sets: more state, controllers", _SETS, group="general sets"),
     "friction_arcs": Column("all phases: arcs", _SETS, group="friction arcs"),
+    "cogging_sets": Column("ranges: cogging", _SETS, group="cogging sets"),
     "general_anywhere": Column(
         "sets: anywhere, other torques",
         "no region is known that every motion comes into; give ranges",
@@ -99,7 +100,7 @@ COLUMNS = {
     "device": Column("hw-run", "the spec of a device has no such key"),
     "explore": Column("explore", "the engine of its page has no such part"),
 }  # fmt: skip
-ENGINES, ASKED, COMMANDS = tuple(COLUMNS)[:13], tuple(COLUMNS)[13:17], tuple(COLUMNS)[17:]
+ENGINES, ASKED, COMMANDS = tuple(COLUMNS)[:14], tuple(COLUMNS)[14:18], tuple(COLUMNS)[18:]
 
 PARTS = {
     "bias": Part("a bias torque", "bias.torque"),
@@ -157,57 +158,57 @@ PARTS = {
 # Verdicts in the order of COLUMNS: engines of trials, engines of sets, what a sweep is asked for, laws and commands.
 _TABLE = {
     #                   plain, bounces, general, unsampled, laws
-    #                   |      phases, ranges, anywhere, general, friction, law sets, friction arcs, general anywhere
+    #                   |      phases, ranges, anywhere, general, friction, laws, arcs, cogging, general anywhere
     #                   |      |      basins, record, pulse, perceive
     #                   |      |      |    describing, relay, formulas, bench, device
-    "bias":            "PEPPP PPPPPPPP PEE~ ~P~E~",
-    "hand":            "PEPPP PPPPPPPP PEE~ ~P~E~",
-    "grip":            "PEPPP PPPPPPPP PEE~ ~P~E~",
-    "people":          "P-PPP PPPPPPPP PEE~ -----",
-    "knob_damping":    "P-PPP PPPPPPPP PEE~ ~P~E~",
-    "friction":        "--PPP ----P-P- -EE~ ~-~E~",
-    "hand_damping":    "P-PPP PPPPPPPP PEE~ ~P~E~",
-    "hand_stiffness":  "P-PPP PPPPPPPP PEE~ ~P~E~",
-    "finger":          "--P-P ---P-PP- -EE~ ~--E-",
-    "virtual_damping": "--P-P ---PPPP- -EE~ --~E~",
-    "delay":           "PEP-P P--PPPP- -EE~ ~P~E~",
-    "lag":             "--P-P ---PPPP- -EE~ ~--E~",
-    "torque_limit":    "--P-P ---PPPPP -EE~ ---E~",
-    "torque_step":     "--P-P ---PPPPP -EE~ ---E~",
-    "dead_band":       "--P-P ---PPPPP -EE~ ----~",
-    "rounding":        "PEPPP PPPPPPPP PEE~ ~P~E~",
-    "offset":          "PEPPP PPPPPPPP PEE~ ~P~E~",
-    "hysteresis":      "--P-P ---PPPP- -EE~ ~----",
-    "backlash":        "--P-P ---PPPP- -EE~ ~----",
-    "bare":            "--PPE -------- -EE~ ---E-",
-    "jitter":          "--E-E -------- -EE- -----",
-    "unsampled":       "---P- -------- -E-- ---E-",
-    "controller":      "----P ----PPP- -EE~ ----~",
-    "speed_sensor":    "----P -------- -EE~ ----~",
-    "estimated_speed": "----P ----PPP- -EE~ ----~",
-    "kalman":          "----P ----PPP- -EE~ ----~",
-    "several_readings": "----P ----P-P- -EE~ ----~",
-    "pulses":          "----P ----PPP- -EE~ ----~",
-    "knob_model":      "----P ----PPP- -EE~ ----~",
-    "by_counts":       "----P ----PPP- -EE~ ----~",
-    "profile":         "--P-P ---PPPPP -EE~ ----~",
-    "detents":         "--P-P ---PPPPP -EE~ ----~",
-    "end_stops":       "--P-P ---PPPPP -EE~ ----~",
-    "dead_zone":       "--P-P ---PPPPP -EE~ ----~",
-    "motor":           "P-PPP PPPPPPPP PEE~ ~P~E~",
-    "coil":            "--P-P ---P-PP- -EE~ ----~",
-    "current_loop":    "--P-P ---PPPP- -EE~ ---E~",
-    "supply":          "--P-P ---PPPPP -EE~ ---E~",
-    "eddy_brake":      "P-PPP PPPPPPPP PEE~ ~P~E~",
-    "gear":            "PEPPP PPPPPPPP -EE~ ~P~--",
-    "mesh":            "--P-P ---P-PP- -EE~ -----",
-    "play":            "--E-E -------- -EE~ -----",
-    "cogging":         "--P-P ------P- -EE~ -----",
-    "squeeze":         "PEPPP PPPPPPPP PEE~ ~P~--",
-    "undamped":        "EEEEE --E----E EEE~ ~E~E-",
-    "unheld":          "EEEPE --E----E EEE~ ~E~E-",
-    "unpushed":        "P-PPE PEEEPEEE EEE~ ~P~E~",
-    "handless":        "EEEPE -------- -EE~ ~E~E-",
+    "bias":            "PEPPP PPPPPPPPP PEE~ ~P~E~",
+    "hand":            "PEPPP PPPPPPPPP PEE~ ~P~E~",
+    "grip":            "PEPPP PPPPPPPPP PEE~ ~P~E~",
+    "people":          "P-PPP PPPPPPPPP PEE~ -----",
+    "knob_damping":    "P-PPP PPPPPPPPP PEE~ ~P~E~",
+    "friction":        "--PPP ----P-PP- -EE~ ~-~E~",
+    "hand_damping":    "P-PPP PPPPPPPPP PEE~ ~P~E~",
+    "hand_stiffness":  "P-PPP PPPPPPPPP PEE~ ~P~E~",
+    "finger":          "--P-P ---P-PP-- -EE~ ~--E-",
+    "virtual_damping": "--P-P ---PPPPP- -EE~ --~E~",
+    "delay":           "PEP-P P--PPPPP- -EE~ ~P~E~",
+    "lag":             "--P-P ---PPPP-- -EE~ ~--E~",
+    "torque_limit":    "--P-P ---PPPPPP -EE~ ---E~",
+    "torque_step":     "--P-P ---PPPPPP -EE~ ---E~",
+    "dead_band":       "--P-P ---PPPPPP -EE~ ----~",
+    "rounding":        "PEPPP PPPPPPPPP PEE~ ~P~E~",
+    "offset":          "PEPPP PPPPPPPPP PEE~ ~P~E~",
+    "hysteresis":      "--P-P ---PPPP-- -EE~ ~----",
+    "backlash":        "--P-P ---PPPP-- -EE~ ~----",
+    "bare":            "--PPE --------- -EE~ ---E-",
+    "jitter":          "--E-E --------- -EE- -----",
+    "unsampled":       "---P- --------- -E-- ---E-",
+    "controller":      "----P ----PPP-- -EE~ ----~",
+    "speed_sensor":    "----P --------- -EE~ ----~",
+    "estimated_speed": "----P ----PPP-- -EE~ ----~",
+    "kalman":          "----P ----PPP-- -EE~ ----~",
+    "several_readings": "----P ----P-P-- -EE~ ----~",
+    "pulses":          "----P ----PPP-- -EE~ ----~",
+    "knob_model":      "----P ----PPP-- -EE~ ----~",
+    "by_counts":       "----P ----PPP-- -EE~ ----~",
+    "profile":         "--P-P ---PPPPPP -EE~ ----~",
+    "detents":         "--P-P ---PPPPPP -EE~ ----~",
+    "end_stops":       "--P-P ---PPPPPP -EE~ ----~",
+    "dead_zone":       "--P-P ---PPPPPP -EE~ ----~",
+    "motor":           "P-PPP PPPPPPPPP PEE~ ~P~E~",
+    "coil":            "--P-P ---P-PP-- -EE~ ----~",
+    "current_loop":    "--P-P ---PPPP-- -EE~ ---E~",
+    "supply":          "--P-P ---PPPPPP -EE~ ---E~",
+    "eddy_brake":      "P-PPP PPPPPPPPP PEE~ ~P~E~",
+    "gear":            "PEPPP PPPPPPPPP -EE~ ~P~--",
+    "mesh":            "--P-P ---P-PP-- -EE~ -----",
+    "play":            "--E-E --------- -EE~ -----",
+    "cogging":         "--P-P ------PP- -EE~ -----",
+    "squeeze":         "PEPPP PPPPPPPPP PEE~ ~P~--",
+    "undamped":        "EEEEE --E-----E EEE~ ~E~E-",
+    "unheld":          "EEEPE --E-----E EEE~ ~E~E-",
+    "unpushed":        "P-PPE PEEEPEEEE EEE~ ~P~E~",
+    "handless":        "EEEPE --------- -EE~ ~E~E-",
 }  # fmt: skip
 
 # Parts that the page of `hknob explore` follows; what is not named here it refuses.
@@ -247,7 +248,7 @@ APART = (
 # Engines that may take a scene, by its starts; the first that takes all of its parts does.
 TRIALS = ("bounces", "plain", "general", "unsampled", "laws")
 PHASES = ("bounces", "phases", "general_sets", "friction_sets", "law_sets", "friction_arcs", *TRIALS[1:])
-RANGES = ("bounces", "ranges", "general_sets", "friction_sets", "law_sets", "general", "laws")
+RANGES = ("bounces", "ranges", "general_sets", "friction_sets", "law_sets", "cogging_sets", "general", "laws")
 ANYWHERE = ("bounces", "anywhere", "general_anywhere")
 STARTS = {"phases": TRIALS, "one": PHASES, "ranges": RANGES, "anywhere": ANYWHERE}
 

@@ -2,7 +2,7 @@
 
 from hknob_cli.specs.over_angle import OVER_ANGLE
 
-_GENERAL_SETS = ("general_sets", "friction_sets", "law_sets", "friction_arcs")
+_GENERAL_SETS = ("general_sets", "friction_sets", "law_sets", "friction_arcs", "cogging_sets")
 _OF_ONE_START_OR_RANGES = ("phases", "ranges", *_GENERAL_SETS)
 SETS = (*_OF_ONE_START_OR_RANGES, "anywhere", "general_anywhere")  # engines of sets of starts
 _A_PERIOD_APART = ("plain", "bounces", "describing", "relay", "formulas", "bench")

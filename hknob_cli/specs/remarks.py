@@ -149,7 +149,7 @@ def _of_scene(scene: Scene, starts: Starts) -> Iterator[str]:
 
 def _hindrance(parts: frozenset[str], kind: str) -> str:
     """The parts for which no sets of starts are followed: those that engines refuse which refuse the least."""
-    others = ("phases", "ranges", "anywhere", "general_sets") if "controller" in parts else ()
+    others = ("phases", "ranges", "anywhere", "general_sets", "cogging_sets") if "controller" in parts else ()
     engines = [one for one in STARTS[kind] if one in SETS and one not in others]
     refused = [hindrances(one, parts) for one in engines]
     least = min(map(len, refused))

@@ -193,6 +193,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
         for name in ("friction_arc", "friction_arcs")
     },
     **{f"general/sets/{name}.py": (f"{GENERAL_SETS}test_cog_arc.py",) for name in ("cog_arc", "cog_stop")},
+    **{f"general/sets/cog_{name}.py": (f"{GENERAL_SETS}test_cog_piece.py",) for name in ("box", "fold", "piece")},
     "general/sets/friction_arc_counts.py": (f"{GENERAL_SETS}test_friction_arc_counts.py",),
     "general/sets/friction_phases.py": (
         f"{PROOF}test_friction_phase_margins.py",

@@ -174,9 +174,15 @@ def triangle(cogging: dict[str, float] | None, inertia: float) -> tuple[float, f
     return 2.0 * cogging["torque"] * per / np.pi / inertia, np.pi / per, cogging["centre"]
 
 
-def settle(parts: dict[str, Any], rate: float, counts: int, samples: int) -> NDArray[np.float64]:
-    """Angles and speeds, (2, phases), of the middle phases of a start at `ANGLE` after so many samples."""
-    quantum, actuator, many = 2.0 * np.pi / counts, parts.get("actuator", {}), PHASES
+def settle(
+    parts: dict[str, Any], rate: float, counts: int, samples: int, starts: NDArray[np.float64] | None = None
+) -> NDArray[np.float64]:
+    """Angles and speeds, (2, phases), of the middle phases of a start at `ANGLE` after so many samples.
+
+    ``starts``: angles and speeds at a sample, of which those are instead.
+    """
+    quantum, actuator = 2.0 * np.pi / counts, parts.get("actuator", {})
+    many = PHASES if starts is None else starts.shape[1]
     a = rates(parts)
     inertia = parts["knob"]["inertia"] + parts["hand"].get("inertia", 0.0)
     encoder = parts.get("encoder", {})
@@ -195,7 +201,9 @@ def settle(parts: dict[str, Any], rate: float, counts: int, samples: int) -> NDA
     z[0], z[-1] = ANGLE, 1.0
     if "finger" in parts["hand"]:
         z[2] = ANGLE
-    for k in range(many):  # a flight of its own for each phase
+    if starts is not None:
+        z[:2] = starts
+    for k in range(many if starts is None else 0):  # a flight of its own for each phase
         z[:, k : k + 1] = body.hold(z[:, k : k + 1], (k + 0.5) / many / rate)
     plain = {name: part for name, part in parts.items() if name not in ("controller", "actuator", "motor")}
     laws = [law_of(Rig(plain, rate, counts), parts.get("controller")) for _ in range(many)]

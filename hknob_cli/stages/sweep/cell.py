@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from hknob_cli.stages.sweep.perceived import Perceived
 
 LAW_SETS = "friction sets"  # group of sets of starts with friction, or under a controller
+COGGING_SETS = "cogging sets"  # group of ranges beside cogging
 CLOCKS = "clocks"  # group of what bounds every clock
 SETS_OF_LAWS = ("general sets", LAW_SETS, "friction arcs")  # groups of sets that a controller may be among, too
 GROWTH_S = 1.0  # over which the bounces of an undamped knob are collected, where the spec does not say
@@ -119,7 +120,7 @@ class CellFinder:
             return self._find_growth(plan, cell)
         if group == "laws" or (group in SETS_OF_LAWS and group_of(scene) == "laws"):
             return self._find_with_law(plan, cell, group)
-        if group in ("general", *SETS_OF_LAWS):
+        if group in ("general", COGGING_SETS, *SETS_OF_LAWS):
             return self._find_general(plan, cell, group)
         knob = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
         functions = self.functions.get("sets" if group == "sets" else "plain")

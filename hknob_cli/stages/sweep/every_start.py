@@ -70,12 +70,17 @@ class StartsFinder:
 
         ``group``: of engine functions, with or without friction.
         """
+        from hknob_cli.engine.general.sets.cog_search import CogSetEngine
         from hknob_cli.engine.general.sets.friction_arc_search import FrictionArcEngine
         from hknob_cli.engine.general.sets.friction_search import FrictionSetEngine
         from hknob_cli.engine.general.sets.search import GeneralSetEngine
 
         functions = self.functions.get(group)
-        kinds: dict[str, Callable[..., Any]] = {"friction sets": FrictionSetEngine, "friction arcs": FrictionArcEngine}
+        kinds: dict[str, Callable[..., Any]] = {
+            "friction sets": FrictionSetEngine,
+            "friction arcs": FrictionArcEngine,
+            "cogging sets": CogSetEngine,
+        }
         kind = kinds.get(group, GeneralSetEngine)
         if type(self._general) is not kind:
             self._general = kind(functions=functions, stopped=self.stopped)
@@ -113,6 +118,8 @@ def _search_sets(
         found = engine.search_anywhere(knob.body, knob.wall, **given)
     elif not starts.many:
         found = engine.search_phases(knob.body, knob.wall, knob.start(starts.angle, starts.velocity), **given)
+    elif not engine.able(knob.body, knob.wall):
+        found = None
     elif not engine.compiled:
         raise NeedsCompilerError(group)
     else:

@@ -35,6 +35,7 @@ HEAVIER = {
     "general sets": 20.0,
     "friction sets": 50.0,
     "friction arcs": 40.0,
+    "cogging sets": 50.0,
     "unsampled": 1.0,
 }  # times that a sample takes the interpreter longer than in the plain loop, with what is done once a trial
 
