@@ -26,12 +26,19 @@ from hknob_cli.engine.general.cogging import (
 from hknob_cli.engine.general.columns import Columns
 from hknob_cli.engine.general.corners import growth_rate
 from hknob_cli.engine.general.sets.cog_arc import ROUNDED, rounded_by, time_of_piece
-from hknob_cli.engine.general.sets.cog_stop import Spread, stays_fast, stiff_of
+from hknob_cli.engine.general.sets.cog_stop import Spread
 from hknob_cli.engine.general.sets.convex import MOST_CORNERS, drop_edge, hull, keep_side, widen
 from hknob_cli.engine.general.sets.friction_arc import BESIDE, ERROR, STEPS, WHOLE
 from hknob_cli.engine.general.slide_many import accept, stretch
 from hknob_cli.engine.general.slope_columns import spread_cogs
-from hknob_cli.engine.general.slopes import cog_acceleration, cog_rate, pass_on, roll_in_steps
+from hknob_cli.engine.general.slopes import (
+    cog_acceleration,
+    cog_rate,
+    pass_on,
+    roll_in_steps,
+    stays_over,
+    stiff_of,
+)
 from hknob_cli.engine.loop import floor
 
 LEAST = 1e-30  # radius of a piece that is a point
@@ -174,7 +181,7 @@ def keeps_way(room, z, u, slope, mode, span, begins, turns, apart, pace, body):
         return False
     copy_to(room.begun, room.first)
     glide(room.begun, u, slope, mode, lead, body, room.pad)
-    return stays_fast(room.begun, u, slope, mode, span - lead - wait, apart, body, room.pad)
+    return stays_over(room.begun, u, slope, mode, span - lead - wait, apart, body, room.pad)
 
 
 def carry(columns, corners, count):
