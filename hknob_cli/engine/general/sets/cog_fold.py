@@ -31,14 +31,7 @@ from hknob_cli.engine.general.sets.convex import MOST_CORNERS, drop_edge, hull, 
 from hknob_cli.engine.general.sets.friction_arc import BESIDE, ERROR, STEPS, WHOLE
 from hknob_cli.engine.general.slide_many import accept, stretch
 from hknob_cli.engine.general.slope_columns import spread_cogs
-from hknob_cli.engine.general.slopes import (
-    cog_acceleration,
-    cog_rate,
-    pass_on,
-    roll_in_steps,
-    stays_over,
-    stiff_of,
-)
+from hknob_cli.engine.general.slopes import cog_acceleration, cog_rate, pass_on, roll_in_steps, stays_over, stiff_of
 from hknob_cli.engine.loop import floor
 
 LEAST = 1e-30  # radius of a piece that is a point
