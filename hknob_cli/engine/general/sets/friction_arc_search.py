@@ -88,6 +88,16 @@ def can_rub_arcs(body: Body, wall: Controller, law: Law | None = None) -> bool:
     return plain and known and (body.cogs is not None or body.order > 2)
 
 
+def _modes_of(body: Body) -> list[tuple[int, int, int, float]]:
+    """Where the matrices of each mode are: of rates and of halves; its constant torques, and friction."""
+    modes = [(RATES, HALVES, CONSTANT, body.friction)]
+    if body.cogs is not None:
+        modes = [(COGGED + k, COGGED_HALVES + k * HALVINGS, CONSTANT, body.friction) for k in range(2)]
+    if body.friction > 0.0 and body.order > 2:
+        modes.append((HELD, HALVES_HELD, CONSTANT_HELD, 0.0))
+    return modes
+
+
 def rub_drift(body: Body, wall: Controller, law: Law | None = None) -> Drift:
     """Bounds on the roundings of one step of a slide, or of a knob that is held, as `drift.Drift` has them, in lists.
 
@@ -97,15 +107,11 @@ def rub_drift(body: Body, wall: Controller, law: Law | None = None) -> Drift:
     n = body.order
     units = [size_at(body.cogs, [float(i == j) for j in range(n)], 0, body) for i in range(n)]
     once = [0.0] * (n + 2)
-    modes = [(RATES, HALVES, CONSTANT, body.friction)]
     spring = constant_pull = 0.0
     if body.cogs is not None:
         # Its torque is added to the rates, by the distance from the middle of the slope, which is rounded, too.
-        modes = [(COGGED + k, COGGED_HALVES + k * HALVINGS, CONSTANT, body.friction) for k in range(2)]
         spring, constant_pull = 2.0 * body.cogs[SLOPE], body.cogs[SLOPE] * body.cogs[LENGTH]
-    if body.friction > 0.0 and body.order > 2:
-        modes.append((HELD, HALVES_HELD, CONSTANT_HELD, 0.0))
-    for rates, integrals, constant, friction in modes:
+    for rates, integrals, constant, friction in _modes_of(body):
         rate = []  # bounds on the terms of each rate: by 1, by the command, and by each number of the state
         for i in range(n):
             enters = abs(body.vectors[ENTRY * n + i]) if rates != HELD else 0.0
