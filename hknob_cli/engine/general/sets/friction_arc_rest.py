@@ -48,6 +48,20 @@ def zone_of(z, stands, u, wrong, level, body, wall):
     return spring, low, high, 2.0 * body.friction / spring - (high - low)
 
 
+def stay_held(z, u, other, body):
+    """As `stays_held`, of all states that stand and whose torques differ from that of ``z`` by at most ``other``.
+
+    A torque that lags differs with the one that it goes to: else what is left of its way would make up for it.
+    """
+    late, held = z[body.order - 1], True
+    for sign in (-1.0, 1.0):
+        if body.lag > 0.0:
+            z[body.order - 1] = late + sign * other
+        held = held and stays_held(z, u + sign * other, body)
+    z[body.order - 1] = late
+    return held
+
+
 def rest_of_arc(room, reach, level, narrow, cell):
     """Row of the rest where all states of the arc in ``room`` end that acts as ``level``.
 
@@ -79,7 +93,7 @@ def rest_of_arc(room, reach, level, narrow, cell):
     top = highest_at(turns, level, level, half, watch)
     if stands:
         other = wrong + (stiffness(body) + cog_number(body.cogs, ROOT)) * reach
-        if not (stays_held(z, u - other, body) and stays_held(z, u + other, body)):
+        if not stay_held(z, u, other, body):
             return UNKNOWN
     elif not far < min(rest - bottom, top - rest, cog_room(body.cogs, rest, slope_of(body.cogs, z[0]))):
         return UNKNOWN

@@ -27,6 +27,7 @@ from hknob_cli.engine.general.sets.friction_arc import (
     start_rate,
     stop_bound,
 )
+from hknob_cli.engine.general.sets.friction_arc_rest import stay_held
 from hknob_cli.engine.general.sets.friction_arc_search import (
     FrictionArcEngine,
     can_rub_arcs,
@@ -332,3 +333,16 @@ def test_all_states_have_stopped_before_a_hold_is_over(late: float, stand: bool)
     rub_many(member, u, 1.0, body, zeros(8))
     assert room.z[1] == 0.0
     assert (room.arc[STANDS] > 0.0, member[1] == 0.0) == (stand, stand)
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+@pytest.mark.parametrize(("other", "stay"), [(0.05, True), (0.2, False)])
+def test_a_torque_that_lags_holds_all_states_only_if_it_does_on_its_way(sign: float, other: float, stay: bool) -> None:
+    """It is 9/10 of the level, and goes to half of it: states by 1/5 of the level beside that are let go now."""
+    body = rubbing("winding", 5.6e-4, 1000.0, actuator={"time_constant": 2e-4}).body
+    still = [0.0] * body.order
+    pull = acceleration(still, 0.0, body)
+    still[-1] = sign * 0.9 * body.friction - pull
+    kept = list(still)
+    assert stay_held(still, sign * 0.5 * body.friction - pull, other * body.friction, body) is stay
+    assert still == kept
