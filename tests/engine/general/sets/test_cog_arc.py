@@ -10,7 +10,8 @@ from typing import Any
 
 import pytest
 
-from hknob_cli.engine.general.cogging import CENTRE, LENGTH, SLOPE, size_at, slope_at, unit_reach
+from hknob_cli.engine.general.body import stiffness
+from hknob_cli.engine.general.cogging import CENTRE, LENGTH, ROOT, SLOPE, size_at, slope_at, unit_reach
 from hknob_cli.engine.general.controller import read_after
 from hknob_cli.engine.general.corners import growth_rate
 from hknob_cli.engine.general.hysteresis import turn_and_count
@@ -30,6 +31,7 @@ from hknob_cli.engine.general.sets.friction_arc import (
     beside_of,
 )
 from hknob_cli.engine.general.sets.friction_arc_counts import begin_counts, count_turns, keep_start, tells_counts
+from hknob_cli.engine.general.sets.friction_arc_rest import stay_held
 from hknob_cli.engine.general.sets.friction_arc_search import FrictionArcEngine, can_rub_arcs, make_rub_room, rub_drift
 from hknob_cli.engine.general.slopes import cog_acceleration, cog_many
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
@@ -40,6 +42,7 @@ from tests.verification.general_scenes import TWO_PARTS, scene
 from .cells import zeros
 
 LAG = {"time_constant": 3e-4}
+WEAK = {"inertia": 3e-7, "damping": 1e-5, "stiffness": 1e-3}
 WIDER = 1.0 + 1e-6  # than a ball are the columns that span it, for their rounding
 
 
@@ -305,3 +308,26 @@ def test_a_centre_that_hardly_moves_is_not_followed_from_rounding_to_rounding() 
         begin_ball(room, 0.0, body)
         assert roll_arc(room, room.z, u, 1.0, rub_drift(body, knob.wall), body)
         assert room.z[0] == pytest.approx(x, abs=1e-12)
+
+
+def test_a_state_that_stands_is_let_go_while_a_lag_and_a_winding_decay() -> None:
+    """Its centre stays held, and both were so at the end of a hold; so all of the arc rests only in a smaller one."""
+    winding = {"torque_constant": 3e-4, "resistance": 2.32, "inductance": 8e-5, "winding": "shorted"}
+    knob = cell(1.4e-3, 1e-3, 200, 2500.0, motor=winding, actuator={"time_constant": 0.04}, hand=WEAK)
+    body = knob.body
+    stiff, push = stiffness(body) + body.cogs[ROOT] + body.lag, stiffness(body) + body.cogs[ROOT]
+    reach = 0.1 * body.friction / stiff
+    turn, late = 0.5 * stiff * reach * 1.001, push * reach * 1.001
+    at = body.cogs[CENTRE] + 0.1 * body.cogs[LENGTH]
+    pull = float(cog_acceleration([at, 0.0, 0.0, 0.0], 0.0, slope_at(at, body.cogs), body))
+    u = body.friction * (1.0 - 1e-9) - turn - late - pull
+    centre = [at, 0.0, turn / body.coil, u + late]
+    assert body.friction - abs(cog_acceleration(centre, u, slope_at(at, body.cogs), body)) > stiff * reach
+    other = [at - 0.999 * reach * unit_reach(body), *centre[1:]]
+    for z, moves in ((list(centre), False), (list(other), True)):
+        begun = z[0]
+        for _ in range(4):
+            cog_many(body.cogs, z, u, 1.0, body, zeros(8))
+        assert (z[0] != begun) == moves
+    assert stay_held(centre, u, 0.0, body)
+    assert not stay_held(centre, u, push * reach, body)
