@@ -7,6 +7,8 @@ its ends:
 
 - Where it stops at a deceleration r, that is at least r / 2 for a time of r / (2 bend) before, where ``bend`` bounds
   the rate of accelerations. Where it starts from rest under an acceleration, the same holds after.
+- Where it is held as a hold begins, what stops another motion is at least half of what it is then for a time of that
+  over 2 bend.
 - Where it is let go, the torque grows at a rate p. That is at least 3 p / 4 for a time of p / (4 bend) on either side,
   where ``bend`` bounds how fast the rate changes.
 
@@ -98,7 +100,10 @@ def mark_held(z, u, piece, body, pad, marks):
         last = 0.5 * let_go * before
     bring(z, FIRST, pad)
     first = body.friction - abs(cog_acceleration(z, u, slope, body))
-    marks[STUCK_FOR] = min(marks[STUCK_FOR], 0.5 * min(piece.slowed, first) * piece.span)
+    stuck, bend = piece.span, piece.steep * piece.fast
+    if piece.slowed == float("inf") and bend > 0.0:
+        stuck = min(stuck, first / (2.0 * bend))  # what stops another motion that begins here is half of it until then
+    marks[STUCK_FOR] = min(marks[STUCK_FOR], 0.5 * min(piece.slowed, first) * stuck)
     if span > 0.0:
         marks[LEVEL] = min(marks[LEVEL], least_value(z, u, 0.0, span, min(first, last), piece, body, pad))
     return let_go
@@ -158,9 +163,9 @@ def let_go_alike(pace, steep, late, marks):
     if marks[RELEASING] == 0.0:
         return pace, 0.0
     least, pull = marks[LEAST_RELEASE], steep + late
-    pace = min(pace, WITHIN * marks[RELEASED_FOR] / (8.0 * pull), 0.25 * least / (steep * steep))
+    pace = min(pace, WITHIN * marks[RELEASED_FOR] / (8.0 * pull), 0.25 * least / (steep * pull))
     pace = min(pace, least * least / (8.0 * pull * steep * steep * marks[FASTEST]))
-    return pace, 8.0 * steep * pull * marks[RELEASING]
+    return pace, 8.0 * pull * pull * marks[RELEASING]
 
 
 def turn_alike(pace, steep, late, body, marks):

@@ -456,13 +456,13 @@ def test_what_is_let_go_within_a_hold_is_so_alike() -> None:
     for behind, pull in ((0.0, 4.0), (1.0, 5.0)):
         for said, limit in (
             ({"LEAST_RELEASE": 2.0, "FASTEST": 8.0}, 4.0 / (8.0 * pull * 16.0 * 8.0)),
-            ({"LEAST_RELEASE": 2.0, "FASTEST": 1e-3}, 0.03125),
+            ({"LEAST_RELEASE": 2.0, "FASTEST": 1e-3}, 0.25 * 2.0 / (4.0 * pull)),
             ({"RELEASED_FOR": 0.125, "LEAST_RELEASE": 1e9, "FASTEST": 8.0}, 0.9 * 0.125 / (8.0 * pull)),
         ):
             marks = marked(**(said | {"RELEASING": 0.5}))
             for pace in (0.5 * limit, 9.0):
                 found = let_go_alike(pace, 4.0, behind, marks)
-                assert found == (pytest.approx(min(pace, limit), rel=1e-14), 8.0 * 4.0 * pull * 0.5)
+                assert found == (pytest.approx(min(pace, limit), rel=1e-14), 8.0 * pull * pull * 0.5)
 
 
 def test_with_more_states_a_turn_is_alike_by_the_bound_on_all_rates() -> None:
@@ -472,10 +472,10 @@ def test_with_more_states_a_turn_is_alike_by_the_bound_on_all_rates() -> None:
     stiff, bend = 4.0 * 3.0 + 1.0, 8.0 * 3.0
     pace, added = turn_alike(1e9, 3.0, 1.0, body, marks)
     assert pace == pytest.approx(2.0 / (stiff + bend), rel=1e-14)
-    assert added == pytest.approx(16.0 * 0.75 * (stiff + bend / 4.0) + 8.0 * 3.0 * 4.0 * 0.5, rel=1e-14)
+    assert added == pytest.approx(16.0 * 0.75 * (stiff + bend / 4.0) + 8.0 * 16.0 * 0.5, rel=1e-14)
     marks[TURNING], marks[LEVEL] = 0.0, 0.25
     pace, added = turn_alike(1e9, 3.0, 1.0, body, marks)
-    assert (pace, added) == (pytest.approx(0.125 / stiff, rel=1e-14), 8.0 * 3.0 * 4.0 * 0.5)
+    assert (pace, added) == (pytest.approx(0.125 / stiff, rel=1e-14), 8.0 * 16.0 * 0.5)
 
 
 # The room.
