@@ -146,7 +146,7 @@ CASES: dict[str, tuple[str | None, dict[str, Any], float, int]] = {
     "cogging, impulse, hysteresis": ("impulse, short", rub(1e-4, cogging=COGS, encoder=TURNS_BACK), 464.0, 512),
     "cogging, friction, lag": (None, rub(1e-4, cogging=COGS, actuator={"time_constant": 2e-4}), 1000.0, 512),
     "cogging, more friction, slow lag": (None, rub(5.6e-4, cogging=WEAK, actuator={"time_constant": 1e-3}), 464.0, 256),
-    "cogging, friction, finger": (None, rub(1e-4, hand=TWO_PARTS, cogging=COGS), 464.0, 256),
+    "cogging, friction, finger": (None, rub(1e-4, hand=TWO_PARTS, cogging=COGS), 1000.0, 512),
     "cogging, friction, finger, rests": (None, rub(5.6e-4, hand=TWO_PARTS, cogging=STRONG), 1000.0, 1024),
     "cogging, friction, coil, late": (None, rub(1e-4, cogging=COGS, **COIL, actuator=LATE), 1000.0, 512),
     "cogging, friction, finger, lag, hysteresis": (
@@ -155,7 +155,7 @@ CASES: dict[str, tuple[str | None, dict[str, Any], float, int]] = {
         1000.0,
         512,
     ),
-    "cogging, friction, finger, bounded lag": ("bounded lag", rub(1e-4, hand=TWO_PARTS, cogging=COGS), 464.0, 256),
+    "cogging, friction, finger, bounded lag": ("bounded lag", rub(1e-4, hand=TWO_PARTS, cogging=COGS), 1000.0, 512),
     "cogging, friction, lag, impulse": (
         "impulse, short",
         rub(5e-5, cogging=COGS, actuator={"time_constant": 1e-4}),
