@@ -562,6 +562,17 @@ def test_a_box_begins_with_what_telling_it_from_its_middle_rounds_away(order: in
             assert corners[order * k + 2 : order * (k + 1)] == [0.0] * (order - 2)
 
 
+def test_a_box_begins_with_an_empty_lattice() -> None:
+    """A search that was given up has left pieces in it. Another that met their places would take its own for merged."""
+    work = small_room(0)
+    for one, at in enumerate((1, 3)):
+        work.taken[one], work.used[at] = at, 1.0
+    work.counts[0] = 2.0
+    assert box.fill_box((-1.0, 1.0, -0.5, 0.5), work, None, DRIFT, BODY, WALL) == 1
+    assert not any(work.used)
+    assert work.counts[0] == 0.0
+
+
 def filled(low: float, high: float, pieces: int = 32, **more: float) -> list[tuple[float, ...]] | int:
     """Last reading, lower and upper end, and share of each piece of a box that virtual damping remembers."""
     work, drift = small_room(1, pieces=pieces), DRIFT

@@ -103,9 +103,13 @@ def sample_trials(starts, first, stop, ends, scope, room, cell):
 def fill_box(box, room, turns, drift, body, wall):
     """Let a box be all that waits, no command under way; how many pieces: one, or one a reading that is remembered.
 
+    The lattice is emptied: a search that was given up has left pieces in it.
+
     ``box``: its low and high angle, its low and high velocity; ``body``: its order says in how many numbers states may
     differ; ``room`` is that of a piece's state.
     """
+    for one in range(int(room.counts[0])):
+        room.used[int(room.taken[one])] = 0.0
     low_x, high_x, low_v, high_v = box
     n, size, head = body.order, piece_size(len(room.z), len(room.ring)), 0 * len(room.ring)
     low, high = 0.0, 0.0

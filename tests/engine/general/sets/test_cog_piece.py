@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from hknob_cli.engine.attractors import Patience
+from hknob_cli.engine.attractors import Patience, StoppedError
 from hknob_cli.engine.general.cogging import CENTRE, LENGTH, slope_at, unit_reach
-from hknob_cli.engine.general.sets import search
+from hknob_cli.engine.general.sets import lattice, search
 from hknob_cli.engine.general.sets.cog_piece import Folds, cross_hold, halve_piece, put_round, size_of_piece
 from hknob_cli.engine.general.sets.cog_search import CogSetEngine, can_follow_cogged
 from hknob_cli.engine.general.sets.convex import hull
@@ -179,3 +179,28 @@ def test_a_small_box_is_followed_to_its_end(friction: float, monkeypatch: pytest
     assert found
     assert found.complete
     assert all(end.certified for end in found.attractors)
+
+
+def test_a_search_is_not_changed_by_one_that_was_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On one engine, whose lattice still had pieces of it: those of the next search that met them were lost."""
+    monkeypatch.setattr(search, "SAMPLED", 0)
+    one = cell(0.0, 3e-4, 84, 464.0)
+    engine = CogSetEngine(patience=Patience(samples=2**40, seconds=60.0))
+
+    def ends(engine: CogSetEngine) -> Any:
+        states = Box(-1.0, 1.0, -0.2, 0.2)
+        return engine.search_box(one.body, one.wall, states, rate=one.rate, delay_line=0, max_samples=None)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(lattice, "release", given_up)
+        with pytest.raises(StoppedError):
+            ends(engine)
+    (room,) = engine._rooms.values()
+    assert room.counts[0] > 0.0
+    again = ends(engine)
+    assert again == ends(CogSetEngine(patience=engine.patience))
+    assert again.complete
+
+
+def given_up(*_: Any) -> int:
+    raise StoppedError
