@@ -129,12 +129,12 @@ FINGER = (
 
 
 def test_what_cannot_be_cut_is_sampled_and_said(hknob: Run, write: Callable[[str], Path], tmp_path: Path) -> None:
-    """With friction and cogging beside a finger, 64 phases; the list is not called complete.
+    """With teeth that part, 64 phases; the list is not called complete.
 
     Nothing is compiled where it looks, and 64 trials are interpreted.
     """
-    friction, cogs = "scene.knob.coulomb_torque=1e-4", "scene.cogging={torque: 1e-4, per_revolution: 84}"
-    words = ("sweep", write(PHASES), "--set", friction, "--set", cogs, "--set", FINGER, "--out", "out")
+    gear = "scene.gear={ratio: 2.5, motor_inertia: 3e-7, stiffness: 5.0, mesh_damping: 1e-3, backlash: 1e-3}"
+    words = ("sweep", write(PHASES), "--set", gear, "--out", "out")
     done = hknob(*words, HKNOB_CACHE_DIR=str(tmp_path / "cache"))
     assert done.returncode == 0, done.stderr
     said = " ".join(done.stdout.split())

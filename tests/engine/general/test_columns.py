@@ -110,7 +110,7 @@ def test_marks_begin_as_sums_of_nothing_and_least_of_nothing() -> None:
     assert sorted(marks.values()) == list(range(columns.MARKS))
     found = [7.0] * (columns.MARKS + 1)
     columns.begin_marks(found)
-    sums = {"SLOWNESS", "FASTEST", "LOOSE", "SWOLLEN", "CARRIED", "TURNING"}
+    sums = {"SLOWNESS", "FASTEST", "LOOSE", "SWOLLEN", "CARRIED", "TURNING", "RELEASING"}
     assert {name: found[at] for name, at in marks.items()} == {name: 0.0 if name in sums else inf for name in marks}
     assert found[-1] == 7.0
 

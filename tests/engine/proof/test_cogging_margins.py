@@ -335,10 +335,11 @@ def test_a_state_is_past_an_end_where_it_goes_on_so() -> None:
 
 def test_a_knob_is_held_up_to_the_level_of_friction() -> None:
     """At -1: cogging -1/2, the hand 1/4, a drive of -1; and the torque of a lag, or the command."""
-    one = PLAIN._replace(friction=2.0, drive=-1.0)
+    one = PLAIN._replace(friction=2.0, drive=-1.0, vectors=[0.0, -1.0, *PLAIN.vectors[2:]])
+    lagged = LAGGED._replace(vectors=[0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0])
     for torque, end in ((3.25, 0), (nextafter(3.25, 4.0), TURNED), (-0.75, 0), (-0.7501, TURNED)):
         assert past([-1.0, 0.0], 0, body=one, u=torque) == end
-        assert past([-1.0, 0.0, torque], 0, body=LAGGED, u=7.0) == end
+        assert past([-1.0, 0.0, torque], 0, body=lagged, u=7.0) == end
     for torque, end in ((3.75, 0), (3.751, TURNED), (-0.25, 0), (-0.251, TURNED)):
         assert past([3.0, 0.0], 0, slope=0.0, body=one, u=torque + 1.5) == end
         assert past([3.0, 0.0], 0, slope=1.0, body=one, u=torque + 0.5) == end

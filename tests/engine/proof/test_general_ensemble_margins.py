@@ -94,7 +94,7 @@ class Orbit:
             ring[(head + j) % len(ring)] = u
 
     def advance(self, z: Any, before: float, ring: Any, head: int, one: Any, wall: Any, pad: Any) -> tuple[float, int]:
-        assert (one.order, wall, pad) == (2, WALL, [7.0] * 4)
+        assert (one.order, wall, pad) == (2, WALL, [7.0] * 8)
         shown = z[0] - 100.0  # tells where it was
         self.at += 1
         z[:] = self.states[self.at % len(self.states)]

@@ -72,7 +72,7 @@ class Orbit:
         patch.setattr(trials, "advance_with_law", self.advance)
 
     def advance(self, z: Any, past: Any, one: Any, wall: Any, law: Any, pad: Any) -> None:
-        assert (one.order, wall, pad) == (2, WALL, [7.0] * 4)
+        assert (one.order, wall, pad) == (2, WALL, [7.0] * 8)
         self.at += 1
         z[:] = self.states[self.at % len(self.states)]
         past[:] = self.pasts[self.at % len(self.pasts)]
