@@ -5,6 +5,7 @@ Nothing is refused here: the models say what is possible, and the table of `capa
 """
 
 from collections.abc import Iterator
+from math import pi
 from typing import Any, NamedTuple
 
 from hknob_cli.specs.capabilities import (
@@ -18,6 +19,7 @@ from hknob_cli.specs.capabilities import (
 )
 from hknob_cli.specs.capability_reasons import SETS
 from hknob_cli.specs.cells import cells_of
+from hknob_cli.specs.drive import reduced
 from hknob_cli.specs.plan import COUNTS, RATE, Scene, Starts, SweepPlan, scene_at
 from hknob_cli.specs.quantity import unit_at
 
@@ -130,10 +132,20 @@ def not_proven(plan: SweepPlan) -> list[str]:
     return list(dict.fromkeys(text for scene in scenes for text in _of_scene(scene, plan.starts)))
 
 
+def _leaves_tops(scene: Scene) -> bool:
+    """Whether cogging is stronger than the hand: a knob may then stand on a top, where starts of many ends meet."""
+    plain = reduced(scene)
+    if plain.cogging is None or plain.hand is None:
+        return False
+    return 2.0 * plain.cogging.torque * plain.cogging.per_revolution / pi >= plain.hand.stiffness
+
+
 def follows_all(scene: Scene, starts: Starts) -> bool:
     """Whether all the starts are followed that a sweep is asked for, or some of them."""
     kind = starts.kind
-    return kind not in ("one", "ranges") or engine_of(scene, STARTS[kind]) in SETS or not scene.sampled
+    if kind not in ("one", "ranges") or not scene.sampled:
+        return True
+    return engine_of(scene, STARTS[kind]) in SETS and not (kind == "ranges" and _leaves_tops(scene))
 
 
 def _of_scene(scene: Scene, starts: Starts) -> Iterator[str]:
@@ -141,7 +153,8 @@ def _of_scene(scene: Scene, starts: Starts) -> Iterator[str]:
     engine = engine_of(scene, STARTS[kind])
     if not follows_all(scene, starts):
         what = "phases of the start" if kind == "one" else "starts"
-        yield f"some {what} will be followed, not all: sets of states are not followed with {_hindrance(parts, kind)}"
+        why = "cogging that is stronger than the hand" if engine in SETS else _hindrance(parts, kind)
+        yield f"some {what} will be followed, not all: sets of states are not followed with {why}"
     verdict, part = verdict_of(parts, engine)
     if verdict != PROVEN:
         yield f"what is found may stay unproven: the scene has {part}"

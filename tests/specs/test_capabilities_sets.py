@@ -120,6 +120,27 @@ def test_what_hinders_sets_with_a_controller_is_told(part: str, what: str, start
     assert not_proven(plan)[0] == f"{start}: sets of states are not followed with a controller beside {what}"
 
 
+@pytest.mark.parametrize(
+    ("torque", "said"),
+    [
+        (7.4e-4, []),
+        (
+            7.5e-4,
+            ["some starts will be followed, not all: sets of states are not followed with cogging that is stronger "
+             "than the hand"],
+        ),
+    ],
+)  # fmt: skip
+def test_cogging_that_is_stronger_than_the_hand_is_told(torque: float, said: list[str]) -> None:
+    """A slope of 2 · 84 / π a torque, against the hand's 0.04 N·m/rad."""
+    source = Source("spec.yaml")
+    cogs = {"cogging": {"torque": torque, "per_revolution": 84}, "hand": {"stiffness": 0.04}}
+    source.value = {**merged(deepcopy(BASE), {"scene": cogs}), "starts": KINDS["ranges"]}
+    plan = validate(source)
+    assert isinstance(plan, SweepPlan)
+    assert not_proven(plan) == said
+
+
 def test_friction_with_a_finger_is_told_as_what_hinders() -> None:
     for starts, expected in (
         ("one", []),
