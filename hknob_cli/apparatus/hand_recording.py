@@ -42,10 +42,10 @@ class Rig:
     ``grip_ramp_s``, how long a squeeze takes from nothing to the target; ``posture_rad``, within which the
     neutral angle of the hand lies on either side of 0, at random; ``preload``, up to which share of the friction level
     the hand pulls at the knob that friction holds before the pulse. ``trigger_share`` of the target is the threshold
-    that fires the pulse. ``torque_noise_nm`` is the rms noise of a torque sensor, None where there is none: the
+    that fires the pulse. ``torque_noise_nm`` is the rms noise of a torque sensor, None if there is none: the
     printed one was of no use. It reads the motor's torque; with ``torque_sees_friction`` it carries the motor, as the
     printed one did, and reads that torque less what friction takes of it. ``acceleration_noise`` is the rms noise
-    (rad/s²) of an accelerometer on the knob, None where there is none, as in print. ``before_s`` and ``after_s`` the
+    (rad/s²) of an accelerometer on the knob, None if there is none, as in print. ``before_s`` and ``after_s`` the
     onset are recorded.
 
     Raises `UsageError` for a number out of range.

@@ -23,7 +23,7 @@ _LONGEST = 200  # of a file's name; a spec's name may be longer
 
 
 def after_stage(job: "Job", work: "Work", summary: dict[str, Any]) -> str:
-    """The command line; empty where there is none, as of a job that no command named.
+    """The command line; empty if there is none, as of a job that no command named.
 
     The page of the results, else a page to play with the one knob of a sweep, else a spec of the best of what was
     tried, else the picture, else the next spec. Nothing is named that is there already. A knob that does not buzz needs

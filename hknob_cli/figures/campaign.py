@@ -121,7 +121,7 @@ def held_of(trials: Sequence[Row], table: pa.Table, stiffness: float) -> list[He
 
 
 def one_trial(evidence: ResultSet, of: str, *, sample_rate_hz: float, counts_per_rev: int, remedy: str = "") -> Held:
-    """The first trial of a cell, under a remedy if one is named. Raises `MissingError` where there is none."""
+    """The first trial of a cell, under a remedy if one is named. Raises `MissingError` if there is none."""
     for trial in held_trials(evidence, of, remedy):
         if abs(trial.row[RATE] - sample_rate_hz) < 1e-6 and trial.row[COUNTS] == counts_per_rev:
             return trial

@@ -88,7 +88,7 @@ def differences(first: Grid, second: Grid, column: str, *, factor: float = 1.0) 
 
 
 def _value(cell: Row | None, column: str) -> float | None:
-    """A column's value; None where there is none, as in a cell without a cycle."""
+    """A column's value; None if there is none, as in a cell without a cycle."""
     return None if cell is None or cell[column] is None else float(cell[column])
 
 

@@ -101,7 +101,7 @@ class Measure(NamedTuple):
 
 
 class Grid(NamedTuple):
-    """Cells by row (``down``, upward in a figure) and column (``across``), None where there is none.
+    """Cells by row (``down``, upward in a figure) and column (``across``), None if there is none.
 
     An axis that the result lacks is empty, with one value, None. ``names`` are the axes' names with their units.
     """

@@ -49,7 +49,7 @@ def plan_of(result: Result) -> SysidPlan:
 def rows_of(result: Result, file: str, **asked: Any) -> Rows:
     """Rows of a table with the values asked for (None: any), those with a whole second-order model.
 
-    Raises `MissingError` where there is none.
+    Raises `MissingError` if there is none.
     """
     chosen = {name: value for name, value in asked.items() if value is not None}
     table = result.table(file)

@@ -36,7 +36,7 @@ Who = Callable[[Trial], Simulated]
 def opened(
     plan: HwRunPlan | PulsePlan, stack: ExitStack, *, alarm: Callable[[str], None] = lambda _text: None
 ) -> Device:
-    """The device of a plan, closed with ``stack``. Raises `DeviceError` or `UsageError` where there is none.
+    """The device of a plan, closed with ``stack``. Raises `DeviceError` or `UsageError` if there is none.
 
     ``alarm`` is told of torque that stays on.
     """

@@ -130,7 +130,7 @@ def _may_be_of_a_device(path: Path) -> bool:
 
 
 def _spec_of(path: Path) -> dict[str, Any]:
-    """The spec that a result is of; empty where there is none."""
+    """The spec that a result is of; empty if there is none."""
     if is_endless(path):
         return {}
     try:

@@ -70,7 +70,7 @@ def joined(blocks: Sequence[Block]) -> Samples:
 
 
 def _sensed(parts: Sequence[Array | None]) -> Array | None:
-    """What a sensor told in all blocks; None where there is none."""
+    """What a sensor told in all blocks; None if there is none."""
     found = [part for part in parts if part is not None]
     return np.concatenate(found) if found and len(found) == len(parts) else None
 
@@ -137,7 +137,7 @@ def zero_of(samples: Samples) -> float:
 
 
 def started_of(samples: Samples) -> int | None:
-    """The first sample after the start; None where there is none."""
+    """The first sample after the start; None if there is none."""
     return int(samples.number[int(np.argmax(samples.running))]) if samples.running.any() else None
 
 

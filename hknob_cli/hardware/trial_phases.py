@@ -126,7 +126,7 @@ _SHARE = 1e-6  # by which a torque told in single precision may differ
 
 
 class PulsePhases:
-    """Follows a trial; ``settled_sample`` is the first sample of the pulse, None where there is none."""
+    """Follows a trial; ``settled_sample`` is the first sample of the pulse, None if there is none."""
 
     def __init__(self, pulses: Pulses, order: PulseOrder, interval_s: float) -> None:
         """``interval_s`` from sample to sample."""

@@ -36,7 +36,7 @@ class Drawn(NamedTuple):
 
 
 class Head(NamedTuple):
-    """The head of a table's column: its name, unit (empty where there is none), meaning, and whether it is text."""
+    """The head of a table's column: its name, unit (empty if there is none), meaning, and whether it is text."""
 
     name: str
     unit: str

@@ -121,7 +121,7 @@ UPRIGHT = (Head("quantity", "", "", True), Head("value", "", "", False), Head("m
 
 
 class Shown(NamedTuple):
-    """A column as a table has it: head, unit (empty where there is none), factor, meaning, and whether it is text."""
+    """A column as a table has it: head, unit (empty if there is none), factor, meaning, and whether it is text."""
 
     head: str
     unit: str

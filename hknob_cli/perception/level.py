@@ -49,7 +49,7 @@ def published(sense: str) -> dict[str, Any]:
 def threshold_set(sense: str, name: str | None) -> dict[str, Any]:
     """One published set of thresholds, the default where ``name`` is None.
 
-    Raises `UsageError` where there is none of that name.
+    Raises `UsageError` if there is none of that name.
     """
     data = published(sense)
     sets: dict[str, dict[str, Any]] = data["thresholds"]

@@ -37,7 +37,7 @@ class Thresholds(NamedTuple):
 
 
 def thresholds(name: str | None = None) -> Thresholds:
-    """A set by its name in ``touch.yaml``, the default where None. Raises `UsageError` where there is none."""
+    """A set by its name in ``touch.yaml``, the default where None. Raises `UsageError` if there is none."""
     found = threshold_set("touch", name)
     low, high = found["range_hz"]
     points = np.array(found["points"], dtype=np.float64)

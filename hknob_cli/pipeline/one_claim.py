@@ -53,7 +53,7 @@ def claims_of(plan: PipelinePlan, root: Path) -> list[OneClaim]:
 def find_claim(plan: PipelinePlan, root: Path, asked: str) -> OneClaim:
     """The claim of this id, or the only one from this place or with these words.
 
-    ``root`` is the folder of the pipeline's results. Raises `UsageError` where there is none, or there are several.
+    ``root`` is the folder of the pipeline's results. Raises `UsageError` if there is none, or there are several.
     """
     everywhere = claims_of(plan, root)
     if not everywhere:

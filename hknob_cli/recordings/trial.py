@@ -33,7 +33,7 @@ class Trial(NamedTuple):
     ``time_s`` rises; ``torque_nm`` is commanded, positive as ``angle_rad``; ``measured_torque_nm`` where there is a
     torque sensor; ``grip_n`` is NaN where there is no grip cell. ``notes``: what is surprising about its numbers.
     ``source`` and ``first_row`` say where it was read (rows count from 1 below the header of a file).
-    ``acceleration_rad_s2``: of an accelerometer, at each sample, before its torque acts; None where there is none.
+    ``acceleration_rad_s2``: of an accelerometer, at each sample, before its torque acts; None if there is none.
     """
 
     key: Key

@@ -37,7 +37,7 @@ def describe_bench(rows: Rows) -> dict[str, Any]:
 
 
 def equal_error(rows: Rows) -> dict[str, Any]:
-    """In one scene: the fastest accurate run of the exact engine and of a rival, None where there is none; the ratio.
+    """In one scene: the fastest accurate run of the exact engine and of a rival, None if there is none; the ratio.
 
     ``ratio``: how many times longer the rival takes.
     """

@@ -27,7 +27,7 @@ SAMPLED = (
 
 
 class Column(NamedTuple):
-    """One column; ``unit`` is "1" for pure numbers, empty where there is none."""
+    """One column; ``unit`` is "1" for pure numbers, empty if there is none."""
 
     name: str
     type: pa.DataType

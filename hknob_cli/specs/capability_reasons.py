@@ -23,7 +23,7 @@ _NOT_A_BALL = {
 _STATE_BY_STATE = (
     ("bare", "the torque differs within a set"),
     ("play", "teeth part at different times within a set"),
-    ("cogging", "a set is torn on an unstable slope of the torque"),
+    ("cogging", "another engine goes from corner to corner"),
 )
 # Why a part is refused, where its column's own reason does not say it.
 WHY = {

@@ -106,7 +106,8 @@ also decides what a spec may say, what its faults tell, and which engine a cell 
 A verdict is that of a scene with this one part, which is otherwise a plain sampled wall with a hand. Several parts
 together get the lowest verdict of the first engine that takes them all (the last table). So friction beside a finger is
 followed from all phases of one start, and from some of the starts in ranges.
-A cell can still fail to be proven, for example when a sample lies on a count edge; its row then says why.
+A cell can still fail to be proven, for example when a sample lies on a count edge; its row then says why. Ranges beside
+cogging that is stronger than the hand are not followed as a whole: `hknob check` says so.
 """
 
 
@@ -151,7 +152,7 @@ def _lines() -> Iterator[str]:
             yield f"- {row.title}: {usual}." if usual else f"- {row.title}:"
             own: dict[str, list[str]] = {}
             for part in PARTS:
-                if (part, column) in WHY:
+                if (part, column) in WHY and VERDICTS[part, column] == REFUSED:
                     own.setdefault(reason(part, column), []).append(PARTS[part].title)
             yield from (f"    - {', '.join(parts)}: {why}." for why, parts in own.items())
     yield "\n## What a sweep cannot be asked for at once\n"

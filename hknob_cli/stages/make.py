@@ -42,7 +42,7 @@ class Change(NamedTuple):
 
 
 def record_at(path: Path) -> dict[str, Any] | None:
-    """What the result at ``path`` says of where it comes from; None where there is none that says so."""
+    """What the result at ``path`` says of where it comes from; None if there is none that says so."""
     try:
         return record_of(result_schema(path).metadata)
     except (OSError, pa.ArrowException):

@@ -308,7 +308,7 @@ class Crossing(NamedTuple):
 
 
 def crossing(knob: SampledKnob) -> Crossing | None:
-    """The slowest cycle by one harmonic; None where there is none below the Nyquist frequency."""
+    """The slowest cycle by one harmonic; None if there is none below the Nyquist frequency."""
     loop = knob.loop
     delay = 0.5 + max(0, knob.delay_line - 1) + loop.split
     found = describing_function(Relay(loop.alpha, loop.beta, 1.0, delay), 1)

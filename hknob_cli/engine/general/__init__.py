@@ -5,7 +5,8 @@
 - `interval` a sample interval, whose clock may jitter, `advance` from event to event, `hysteresis` of the count on the
   way
 - `teeth` of a gear, one mode of their motion, `flanks` from mode to mode, `flank_rest`: how long they stay on one
-- `cogging` on one slope, `slopes` from slope to slope, `slope_columns` with the derivative, `cog_rest` on one
+- `cogging` on one slope, `slopes` from slope to slope, `slope_columns` with the derivative, `cog_rest` on one;
+  `piece_marks` how slow it slides, and how nearly it is held
 - `period_map` the map over a period, and how fast motions part that do not repeat, `powers` of its derivative,
   `orbit_proof` the proof, `corners` over those of cogging
 - `looks` at a trial on its way, `inner_region` rest that is never reached, `captured` by an orbit that is known, or

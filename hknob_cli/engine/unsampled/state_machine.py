@@ -110,7 +110,7 @@ def lowest_rest(loop):
 
 
 def rest_range(loop):
-    """Lowest and highest position at which the knob can rest; the first above the second where there is none.
+    """Lowest and highest position at which the knob can rest; the first above the second if there is none.
 
     Rest on an edge is meant in Filippov's sense: the torques on its two sides, friction added, push towards it or hold.
     """

@@ -11,5 +11,6 @@
 - with friction and more states all phases of one start: `friction_arc`, moved over a hold, `friction_arc_parts`,
   `friction_arc_rest`, `friction_arcs`, `friction_arc_search`; behind hysteresis `friction_arc_counts`; beside cogging
   `cog_arc`, which goes from corner to corner, and `cog_stop`
+- beside cogging ranges: `cog_piece` over a hold, `cog_fold` where friction stops it, `cog_box`, `cog_search`
 - under a law, with friction or without, the same and `law_search`: cut at samples and at looks into an interval
 """

@@ -13,14 +13,14 @@ from hknob_cli.engine.general.sets.cog_piece import move_piece, take_in_error
 from hknob_cli.engine.general.sets.convex import extent
 from hknob_cli.engine.general.sets.friction_arc import BEFORE, ERROR, STANDS
 from hknob_cli.engine.general.sets.friction_arc_rest import rest_of_arc
-from hknob_cli.engine.general.sets.friction_box import OFTEN, take_piece
+from hknob_cli.engine.general.sets.friction_box import OFTEN, readings_of, take_piece
 from hknob_cli.engine.general.sets.friction_piece import part_piece, stands
 from hknob_cli.engine.general.sets.known import FULL, NO_ROOM, blame, captor, fate_of, is_proven, seek
 from hknob_cli.engine.general.sets.lattice import keep
 from hknob_cli.engine.general.sets.memory import watched
 from hknob_cli.engine.general.sets.piece import SAMPLE, WEIGHT
 from hknob_cli.engine.general.sets.readings import steps_deeper
-from hknob_cli.engine.general.sets.turns import count_of, half_of, level_at
+from hknob_cli.engine.general.sets.turns import half_of
 
 LASTING = 24.0  # over the damping of a sample period: samples after which a piece that is not small is halved often
 
@@ -66,9 +66,7 @@ def follow_piece(room, rub, folds, waiting, width, scope, cell):
         reach = unit_reach(body) * centre.error + 8.0 * EPSILON * abs(z[0])
         level, high = last, last
         if not settled:
-            shown = count_of(turns, known.law, centre.before, centre.ring)
-            level = level_at(turns, z[0] + least - reach, shown, half, drift.bottom, watch)
-            high = level_at(turns, z[0] + most + reach, shown, half, drift.bottom, watch)
+            level, high = readings_of(centre, z[0] + least - reach, z[0] + most + reach, half, watch, cell)
         whole = Centre(z, centre.before, centre.ring, centre.head, centre.error, last, float(at), weight)
         taken += 1
         if level < high:

@@ -147,12 +147,13 @@ def falls_or_rises(rates, span, apart, pace, body):
     return 0.5 * (abs(first) + abs(last) - stiff_of(body) * pace * span) > stiff_of(body) * apart
 
 
-def keeps_way(room, z, u, slope, mode, span, begins, turns, apart, pace, body):
-    """Whether no state that slides in ``mode`` on a slope from ``room.first`` to ``z`` changes the sign of its speed.
+def keeps_way(room, u, slope, mode, span, signs, sizes, body):
+    """Whether no state that slides in ``mode`` from ``room.first`` to ``room.z`` changes the sign of its speed.
 
-    ``begins``: whether some may have another sign where it begins; there all are to rise. ``turns``: whether some may
-    change it where it ends, where all fall.
+    ``signs``: whether some may have another sign where it begins, where all are to rise; and whether some may change it
+    where it ends, where all fall. ``sizes``: how far states are from the centre, and a bound on their rates.
     """
+    z, (begins, turns), (apart, pace) = room.z, signs, sizes
     first = mode * cog_acceleration(room.first, u, slope, body) - body.friction
     last = mode * cog_acceleration(z, u, slope, body) - body.friction
     if falls_or_rises((first, last), span, apart, pace, body):
@@ -274,7 +275,7 @@ def cross_rubbing(room, folds, corners, count, u, span, drift, body):
         # Where some have yet to stop, or have stopped, all speeds are to rise.
         if turns and not began:
             return False, False, count
-        if not keeps_way(room, z, u, slope, mode, t, not began, stops and began, apart, pace, body):
+        if not keeps_way(room, u, slope, mode, t, (not began, stops and began), (apart, pace), body):
             return False, False, count
         if not began:
             if end == 0:

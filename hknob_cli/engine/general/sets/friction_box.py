@@ -33,6 +33,13 @@ def take_piece(room, waiting):
     return centre, count
 
 
+def readings_of(centre, low, high, half, watch, cell):
+    """Least and largest reading of a piece whose states lie from ``low`` to ``high``, roundings included."""
+    turns, bottom = cell.known.turns, cell.drift.bottom
+    shown = count_of(turns, cell.known.law, centre.before, centre.ring)
+    return level_at(turns, low, shown, half, bottom, watch), level_at(turns, high, shown, half, bottom, watch)
+
+
 def follow_piece(room, work, waiting, width, scope, cell):
     """Follow the last piece that waits until it ends, is parted or kept: ``(waiting, fate, row, samples)``.
 
@@ -61,9 +68,7 @@ def follow_piece(room, work, waiting, width, scope, cell):
         settled = centre.sample > at
         level, high = last, last
         if not settled:
-            shown = count_of(turns, known.law, centre.before, centre.ring)
-            level = level_at(turns, z[0] + least - reach, shown, half, drift.bottom, watch)
-            high = level_at(turns, z[0] + most + reach, shown, half, drift.bottom, watch)
+            level, high = readings_of(centre, z[0] + least - reach, z[0] + most + reach, half, watch, cell)
         whole = Centre(z, centre.before, centre.ring, centre.head, centre.error, last, float(at), weight)
         taken += 1
         if level < high:
